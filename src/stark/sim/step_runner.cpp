@@ -326,7 +326,7 @@ void StepRunner::predict(double h, const Configuration& start, bool hits_stop) {
     motion_.predict(h, full, full);
   else
     motion_.predict(h);
-  energies_before_ = ledger_.stored_energies(step_start_);
+  energies_before_ = ledger_.begin(step_start_);
   coordinates_before_ = state_.joint_coordinate;
   joints_.begin_actuators(h);
 }
