@@ -150,7 +150,10 @@ class ReadFormula(EnergyFormula):
         return "of a scene document"
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        raise DocumentError(f"{self.name}: was read from a scene document, which has no function to call")
+        raise DocumentError(
+            f"{self.name}: was read from a scene document, which has no function to call; "
+            f"check() of its handle in scene.energies goes without"
+        )
 
     def __repr__(self) -> str:
         return f"<stark.energy {self.name} of a scene document>"

@@ -160,6 +160,11 @@ class TetMesh(MeshBase):
         return TetMesh(vertices, self.tets)
 
     @property
+    def elements(self) -> Indices:
+        """``tets``, by the name that they have in meshes of other elements."""
+        return self.tets
+
+    @property
     def volumes(self) -> NDArray[np.float64]:
         """Signed volume of each tetrahedron [m^3], shape (m,)."""
         a, b, c, d = corners_of(self.vertices, self.tets, "TetMesh: tets")
