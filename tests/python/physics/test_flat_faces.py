@@ -47,5 +47,7 @@ def test_corners_carry_a_plate_without_vertices_inside() -> None:
 
 def test_faces_that_are_flat_to_a_nanometre_are_as_flat_ones() -> None:
     mesh = stark.mesh.box((_SIDE, _SIDE, 0.01), 4)
-    moved = np.asarray(mesh.vertices) + 1e-9 * np.random.default_rng(0).uniform(-1, 1, (len(mesh.vertices), 3))
+    moved = np.asarray(mesh.vertices) + 1e-9 * np.random.default_rng(0).uniform(
+        -1, 1, (len(mesh.vertices), 3)
+    )
     assert lever(stark.mesh.TriangleMesh(moved, mesh.triangles)) == pytest.approx(lever(mesh), rel=0.01)
