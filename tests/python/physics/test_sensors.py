@@ -84,7 +84,7 @@ def test_pressure_and_area_of_a_flat_face(cells: int) -> None:
 
 
 def test_pressure_inside_a_flat_face_that_hangs_over() -> None:
-    """Vertices inside a rigid face carry what is over them; the pressures balance the weight about the edge."""
+    """Vertices inside a rigid face carry what is over them; pressures balance the weight about the edge."""
     scene = stark.Scene()
     scene.add_rigid(stark.mesh.box((1, 1, 0.1)), name="table", motion="fixed", position=(-0.5, 0, -0.05))
     mesh = stark.mesh.box((0.2, 0.1, 0.05), 8)
@@ -101,7 +101,7 @@ def test_pressure_inside_a_flat_face_that_hangs_over() -> None:
     )  # the edge of the table may press on the column beside it
     # Columns of 25 mm: five of eight lie on the table, the edge of the table a micrometre beside the last.
     assert box.contact_area("table") == pytest.approx(0.02 * 5 / 8, rel=1e-9)
-    # The weight is nearer to the edge of the table than the middle of what is over it, so that is pressed more.
+    # The weight is nearer to the edge of the table than the middle of what is over it: more pressure there.
     at = x[:, 0].round(4)
     columns = [pressure[bottom & (at == place)].mean() for place in np.unique(at[over])]
     assert np.all(np.diff(columns) > 0.0) and columns[-1] > 5.0 * columns[0]
