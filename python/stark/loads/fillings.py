@@ -27,7 +27,7 @@ def gas(
     """A gas of constant temperature: its absolute pressure times its volume is constant."""
     volume = _volume(t, origin, share)
     product = amount * pressure_at_start * volume_at_start
-    return outside * volume - product * log(volume / volume_at_start)
+    return outside * (volume - volume_at_start) - product * log(volume / volume_at_start)
 
 
 @energy(translation_invariant=False)
@@ -43,9 +43,9 @@ def adiabatic_gas(
 ) -> Scalar:
     """A gas that exchanges no heat: p V^exponent is constant."""
     volume = _volume(t, origin, share)
-    inner = pressure_at_start * volume_at_start / (exponent - 1.0)
-    ratio = amount * volume_at_start / volume
-    return outside * volume + amount * inner * pow(ratio, exponent - 1.0)
+    at_start = pressure_at_start * volume_at_start / (exponent - 1.0)
+    inner = amount * at_start * pow(amount * volume_at_start / volume, exponent - 1.0)
+    return outside * (volume - volume_at_start) + inner - at_start
 
 
 @energy(translation_invariant=False)

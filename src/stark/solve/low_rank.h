@@ -1,7 +1,7 @@
 // Terms of low rank beside a matrix of blocks: A + sum of c_k b_k b_k^T with full columns b_k, as an energy
 // of totals has them (mechanics/total_energy.h), and systems with both [Woodbury 1950]:
-//   x = y - Z (C^-1 + B^T Z)^-1 B^T y,   A y = r,   A Z = B.
-// Its residual is that of y less that of Z times numbers, whatever the size of C: nothing cancels.
+//   x = y - Z (C^-1 + B^T Z)^-1 B^T y,   A y = r,   A Z = B.                        [theory eq. 22b]
+// Its residual is that of y less that of Z times numbers, whatever the size of C.
 // Phase: linear solve of a Newton step.
 #pragma once
 
