@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,10 @@ import pytest
 from _load_scenes import ORIGIN, advance, block_with_a_hole, simulate
 
 import stark
+from stark import scenes
+from stark.recording import Recording
 
+ROOT = Path(__file__).resolve().parents[3]
 OUTSIDE = 101325.0  # [Pa]
 
 
@@ -181,6 +185,14 @@ def test_a_bag_of_liquid_carries_a_load_without_change_of_volume(modulus: float)
     # Pressure on the flat of the plate and the pull of the skin carry 2 N together with its tension.
     assert pressure > 100.0
     assert plate.contact_force[2] == pytest.approx(0.2 * 9.81, rel=0.02)
+
+
+def test_the_example_keeps_its_promises(tmp_path: Path) -> None:
+    result = scenes.run(
+        scenes.load(ROOT / "examples/water_balloon.py"), out=tmp_path / "run", replay=False, picture=False
+    )
+    assert (result.status, result.message) == ("complete", "check passed")
+    assert Recording(tmp_path / "run").telemetry["newton_iterations"].sum() < 1000
 
 
 def test_a_liquid_that_is_pulled_parts() -> None:
