@@ -203,6 +203,29 @@ void bind_energies_and_joints(nb::class_<Simulation>& c) {
             return nb::make_tuple(to_numpy(std::move(plane.totals)), to_numpy(std::move(plane.slopes)));
           },
           "energy"_a, "Totals of an energy, and its derivatives by them.")
+      .def("pin_forces", with_arrays<&Simulation::pin_forces>, "body"_a,
+           "Forces that hold the pins in the last step (k, 3) [N].")
+      .def("clamp_torques", with_arrays<&Simulation::clamp_torques>, "body"_a,
+           "Torques that hold the clamped frames in the last step (k, 3) [N m].")
+      .def(
+          "section_wrenches",
+          [](const Simulation& s, BodyId body) {
+            std::vector<Vec3> forces, torques;
+            for (const auto& [force, torque] : s.section_wrenches(body)) {
+              forces.push_back(force);
+              torques.push_back(torque);
+            }
+            return nb::make_tuple(to_numpy(std::move(forces)), to_numpy(std::move(torques)));
+          },
+          "body"_a, "(forces (m, 3) [N], torques (m, 3) [N m]) that the segments of a rod transmit.")
+      .def(
+          "holding_wrench",
+          [](Simulation& s, BodyId body) {
+            const auto [force, torque] = s.holding_wrench(body);
+            return nb::make_tuple(force, torque);
+          },
+          "body"_a,
+          "(force [N], torque [N m]) that hold or drive a rigid body in the last step, about its origin.")
       .def_prop_ro("joint_count", count_of<&Scene::joints>)
       .def_prop_ro("exclusion_count", &Simulation::exclusion_count)
       .def("joint_coordinates", with_arrays<&Simulation::joint_coordinates>, "joint"_a, "[m, rad]")

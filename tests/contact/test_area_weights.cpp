@@ -1,6 +1,7 @@
 // Areas of contacts: shares of meshes, of flat faces, of rods; which mesh integrates; pairs of edges.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <stark/contact/area_weights.h>
@@ -146,4 +147,31 @@ TEST_CASE("a rod has its length times its diameter") {
   double sum = 0.0;
   for (int32_t v = 0; v < 3; ++v) sum += weights.area(builder.surface, of_point(v, 0, 1), kUp, builder.x);
   CHECK(sum == doctest::Approx(0.3 * 0.01));
+}
+
+TEST_CASE("a rod across an edge has an area that no normal changes") {
+  // One that followed the normal from step to step would give energy to a rod that runs over edges.
+  SceneBuilder builder;
+  builder.add_mesh(make_box({1, 1, 1}));
+  builder.add_rod({{-1, 0, 0.6}, {1, 0, 0.6}});
+  const AreaWeights weights(builder.surface, builder.x, {}, std::vector<uint8_t>{0, 1},
+                            std::vector<double>{0.005, 0.01});
+  const auto rod = static_cast<int32_t>(builder.surface.edges.size()) - 1;
+  double least = 1.0, most = 0.0;
+  for (int32_t e = 0; e < rod; ++e) {
+    Contact contact;
+    contact.key = {PairKind::EdgeEdge, e, rod};
+    contact.group_b = 1;
+    CHECK_FALSE(weights.is_directed(contact));
+    const double area = weights.area(builder.surface, contact, kUp, builder.x);
+    CHECK(weights.area(builder.surface, contact, normalized(Vec3{1, 2, 3}), builder.x) == area);
+    least = std::min(least, area);
+    most = std::max(most, area);
+  }
+  // Each half of a face gives a third to an edge: at a right angle to each other, or both of one face.
+  CHECK(least == doctest::Approx(std::sqrt(2.0) / 6.0));
+  CHECK(most == doctest::Approx(1.0 / 3.0));
+  Contact between;
+  between.key = {PairKind::EdgeEdge, 0, 1};
+  CHECK(weights.is_directed(between));
 }

@@ -125,6 +125,13 @@ class DeformableBody(Body, RestState):
         check_places(array, f"'{self.name}': pin_targets")
         simulation._core.set_pin_targets(self._index, np.ascontiguousarray(array))
 
+    @property
+    def pin_forces(self) -> Floats:
+        """Forces that hold the pinned vertices in the last step (k, 3) [N], in the order of the ``pins`` of
+        the simulation: against all that acts on them, their own weight and inertia included."""
+        found = self._require_simulation("pin_forces")._core.pin_forces(self._index)
+        return reading(found, self, "pin_forces")
+
     def follow(
         self,
         targets: Any = None,

@@ -90,6 +90,36 @@ class Rod(DeformableBody):
             )
         simulation._core.set_clamp_targets(self._index, np.ascontiguousarray(array.reshape(count, 9)))
 
+    @property
+    def clamp_torques(self) -> Floats:
+        """Torques that hold the frames of the clamped nodes in the last step (k, 3) [N m], world axes, in the
+        order of ``clamped``; ``pin_forces`` are the forces there."""
+        found = self._require_simulation("clamp_torques")._core.clamp_torques(self._index)
+        return reading(found, self, "clamp_torques")
+
+    # --- what it transmits ---
+
+    @property
+    def section_forces(self) -> Floats:
+        """Force through the middle of each segment in the last step (n - 1, 3) [N], world axes: of the side
+        behind it, towards the last node, on the side before. Damping and active forces are in it."""
+        found = self._require_simulation("section_forces")._core.section_wrenches(self._index)[0]
+        return reading(found, self, "section_forces")
+
+    @property
+    def section_moments(self) -> Floats:
+        """Bending moment and torque through the middle of each segment in the last step (n - 1, 3) [N m],
+        world axes, of the side behind it on the side before."""
+        found = self._require_simulation("section_moments")._core.section_wrenches(self._index)[1]
+        return reading(found, self, "section_moments")
+
+    @property
+    def tensions(self) -> Floats:
+        """Part of ``section_forces`` along each segment (n - 1,) [N], positive where it is pulled."""
+        along = np.diff(self.positions, axis=0)
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        return reading((self.section_forces * along).sum(axis=1), self, "tensions")
+
     # --- rest state ---
 
     @property

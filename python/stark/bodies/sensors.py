@@ -292,6 +292,19 @@ class InertialSensors(BodyHandle):
         found: Array = np.cross(arms, _core.vertex_contact_forces(core, self._index)).sum(axis=0)
         return found
 
+    @property
+    def holding_force(self) -> Array:
+        """Force that holds a fixed body or drives a scripted one in the last step, against contact, joints,
+        attachments and energies (3,) [N]. Such bodies have no mass, so their own weight is not in it."""
+        core = self._require_simulation("holding_force")._core
+        return reading(core.holding_wrench(self._index)[0], self, "holding_force")
+
+    @property
+    def holding_torque(self) -> Array:
+        """Torque that does so, about the origin of the mesh (3,) [N m], world axes."""
+        core = self._require_simulation("holding_torque")._core
+        return reading(core.holding_wrench(self._index)[1], self, "holding_torque")
+
     def acceleration(self, point: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
         """Acceleration of a point, given in the frame of the mesh [m]: change of its velocity over the last
         step (3,) [m/s^2], world axes."""

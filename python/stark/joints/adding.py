@@ -47,6 +47,7 @@ def add_joint(
     numbers = _values(owner, formula, values)  # before the frames: an anchor may be misspelt
     place = None
     if anchor is not None or axis is not None or rotation is not None:
+        _require_a_use(owner, (a, b), anchor=anchor, axis=axis, rotation=rotation)
         place = _placement(owner, anchor, axis, rotation)
     else:
         place = next((_placement_of(side) for side in (a, b) if _is_one_frame(side)), None)
@@ -69,6 +70,16 @@ def add_joint(
         }
     )
     return Joint(scene, index, formula, enabled, given)
+
+
+def _require_a_use(owner: str, sides: tuple[Any, Any], **given: Any) -> None:
+    """What is given for both sides at a common place has to be of use to one of them."""
+    if all(isinstance(side, FrameHandle) for side in sides):
+        named = " and ".join(name for name, value in given.items() if value is not None)
+        raise InvalidArgument(
+            f"{owner}: {named} of no use, as both sides have frames of their own: must be left out; give "
+            f"position= and rotation= to the frames, or a body in place of one of them"
+        )
 
 
 def _limit(owner: str, what: str, given: float | None, unit: str) -> float:

@@ -99,7 +99,7 @@ class SceneJoints(SceneLink):
         **options: Any,
     ) -> Joint:
         """Hinge (revolute joint) at ``anchor`` [m] about ``axis``; coordinate ``angle`` [rad],
-        kept within ``limits``."""
+        kept within ``limits``. Without an ``axis`` it is z."""
         with self._all_or_nothing():
             joint = self.add_joint("hinge", a, b, anchor=anchor, axis=axis, **options)
             if limits is not None:
@@ -117,7 +117,7 @@ class SceneJoints(SceneLink):
         **options: Any,
     ) -> Joint:
         """Slider (prismatic joint) along ``axis`` of a; coordinate ``displacement`` [m],
-        kept within ``limits``."""
+        kept within ``limits``. Without an ``axis`` it is z."""
         with self._all_or_nothing():
             joint = self.add_joint("slider", a, b, anchor=anchor, axis=axis, **options)
             if limits is not None:

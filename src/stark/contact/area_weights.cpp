@@ -212,6 +212,20 @@ double AreaWeights::edge_sharpness(const SurfaceMesh& mesh, std::span<const Vec3
   return std::min(1.0, std::atan2(norm(cross(a, b)), dot(a, b)) / (0.5 * std::numbers::pi));
 }
 
+// What faces the mean normal of both sides, or the larger side where that is more. It does not depend on the
+// normal of the contact: a rope that runs over edges meets each at normals that turn with every step, and
+// areas a step behind them would give it energy. [theory section 5]
+double AreaWeights::area_across(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t e) const {
+  if (is_rod(e) || !is_directed(mesh.edge_group[e])) return edges_.whole[e];
+  Vec3 sum;
+  double largest = 0.0;
+  for (const Share& share : edges_.of(e)) {
+    sum += rest_normal(mesh, rest, share.triangle) * share.area;
+    largest = std::max(largest, share.area);
+  }
+  return std::max(norm(sum), largest);
+}
+
 void AreaWeights::weigh(const SurfaceMesh& mesh, std::span<const Vec3> rest) {
   vertices_.whole.resize(mesh.vertex_count, 0.0);
   for (int32_t v = 0; v < mesh.vertex_count; ++v) {
@@ -221,6 +235,7 @@ void AreaWeights::weigh(const SurfaceMesh& mesh, std::span<const Vec3> rest) {
   for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e) {
     for (const Share& share : edges_.of(e)) edges_.whole[e] += share.area;
     flatness_.push_back(1.0 - edge_sharpness(mesh, rest, e));
+    edges_.across.push_back(area_across(mesh, rest, e));
   }
   const size_t groups = cell_area_.size();
   for (size_t a = 0; a < groups; ++a)
@@ -250,16 +265,20 @@ EdgeRanges AreaWeights::edge_ranges(const SurfaceMesh& mesh) const {
   return EdgeRanges(edges);
 }
 
+bool AreaWeights::is_directed(const Contact& contact) const {
+  const auto [kind, first, second] = contact.key;
+  if (kind != PairKind::EdgeEdge) return is_directed(contact.group_a);
+  return !is_rod(first) && !is_rod(second) && (is_directed(contact.group_a) || is_directed(contact.group_b));
+}
+
 double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const Vec3& n,
                          std::span<const Vec3> x) const {
   const auto [kind, first, second] = contact.key;
   if (kind == PairKind::EdgeEdge) {
     const int32_t a = mesh.edge_group[first], b = mesh.edge_group[second];
     // A rod lies across an edge over its thickness, or over what the edge stands for.
-    const bool a_is_rod = edges_.of(first).empty(), b_is_rod = edges_.of(second).empty();
-    if (a_is_rod != b_is_rod)
-      return std::max(area(mesh, edges_, first, a, n, x), area(mesh, edges_, second, b, n, x));
-    if (a_is_rod) return std::min(edges_.whole[first], edges_.whole[second]);
+    if (is_rod(first) != is_rod(second)) return std::max(edges_.across[first], edges_.across[second]);
+    if (is_rod(first)) return std::min(edges_.whole[first], edges_.whole[second]);
     return part(a, b) * area(mesh, edges_, first, a, n, x) + part(b, a) * area(mesh, edges_, second, b, n, x);
   }
   if (kind == PairKind::PointPoint) return std::min(vertices_.whole[first], vertices_.whole[second]);

@@ -34,6 +34,8 @@ class AreaWeights {
   EdgeRanges edge_ranges(const SurfaceMesh& mesh) const;
   /// Whether the area of a point of this group depends on the normal.
   bool is_directed(int32_t group) const { return is_sheet_.empty() || is_sheet_[group] == 0; }
+  /// Whether that of a contact does.
+  bool is_directed(const Contact& contact) const;
 
  private:
   /// Part of a triangle's area, by its normal.
@@ -45,6 +47,7 @@ class AreaWeights {
     std::vector<int32_t> offsets;
     std::vector<Share> entries;
     std::vector<double> whole;   ///< whatever the normal, also of what has no triangles [m^2]
+    std::vector<double> across;  ///< of edges, for rods that lie across them, whatever the normal [m^2]
     std::vector<double> weight;  ///< of vertices the least: 1 sharp, less where it is flat
     std::span<const Share> of(int32_t i) const {
       return std::span(entries).subspan(offsets[i], offsets[i + 1] - offsets[i]);
@@ -57,6 +60,8 @@ class AreaWeights {
   bool is_border(const SurfaceMesh& mesh, int32_t v) const;  ///< of a sheet
   double vertex_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t v) const;
   double edge_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t e) const;
+  double area_across(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t e) const;
+  bool is_rod(int32_t edge) const { return edges_.of(edge).empty(); }
   double area(const SurfaceMesh& mesh, const Shares& shares, int32_t i, int32_t group, const Vec3& n,
               std::span<const Vec3> x) const;
   /// Part of the contact of two groups that is integrated on the first.

@@ -106,12 +106,6 @@ double ContactLaw::pressure(int32_t group_a, int32_t group_b) const {
   return (distance_[group_a] + distance_[group_b]) / compliances;
 }
 
-bool ContactLaw::depends_on_normal(const Contact& contact) const {
-  if (contact.key.kind == PairKind::EdgeEdge)
-    return areas_.is_directed(contact.group_a) || areas_.is_directed(contact.group_b);
-  return areas_.is_directed(contact.group_a);
-}
-
 void ContactLaw::freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x,
                               const std::vector<Contact>& contacts) {
   struct Open {
@@ -121,7 +115,7 @@ void ContactLaw::freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x,
   std::vector<Open> open;
   open.reserve(contacts.size());
   for (const Contact& contact : contacts)
-    if (const int64_t code = area_code(contact); depends_on_normal(contact) && !frozen_.contains(code))
+    if (const int64_t code = area_code(contact); areas_.is_directed(contact) && !frozen_.contains(code))
       open.push_back({code, &contact});
   // The nearest of each code; of equals, the first.
   std::ranges::sort(open, {},
@@ -142,7 +136,7 @@ void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::v
       pressure = this->pressure(contact.group_a, contact.group_b) * memory_.find(code);
     }
     const double area =
-        depends_on_normal(contact) ? frozen_.at(area_code(contact)) : areas_.area(mesh, contact, Vec3{}, x);
+        areas_.is_directed(contact) ? frozen_.at(area_code(contact)) : areas_.area(mesh, contact, Vec3{}, x);
     contact.stiffness = contact.multiplicity * area * pressure / (kMiddleSlope * contact.contact_distance);
     if (!left_.empty()) contact.stiffness *= left(contact);
   }

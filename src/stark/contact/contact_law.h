@@ -94,7 +94,6 @@ class ContactLaw {
   /// Decides it for the rest of the step, by the direction in which the contact is met first.
   void freeze_left(std::span<const Vec3> x, const std::vector<Contact>& contacts);
   void freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x, const std::vector<Contact>& contacts);
-  bool depends_on_normal(const Contact& contact) const;
 
   AreaWeights areas_;
   std::vector<BodyStiffness> bodies_;

@@ -208,6 +208,18 @@ class Simulation {
   Vec3 contact_force(BodyId body) const;
   /// The same on each vertex of a body [N].
   std::vector<Vec3> vertex_contact_forces(BodyId body) const;
+  /// Forces [N] that hold the pinned vertices of a body where they are prescribed, clamped nodes among them,
+  /// in the last step and in the order of pin_targets(): against all that acts there, weight and inertia of
+  /// the vertices included. Zero before the first step and after set_state().
+  std::vector<Vec3> pin_forces(BodyId body);
+  /// Torques [N m] that hold the frames of clamped nodes of a rod, in the order of clamp_targets().
+  std::vector<Vec3> clamp_torques(BodyId body);
+  /// Force [N] that holds a fixed rigid body or drives a scripted one, which have no mass, and its torque
+  /// [N m] about the origin of the mesh. Throws InvalidArgument for bodies that move freely.
+  Wrench holding_wrench(BodyId body);
+  /// What each segment of a rod transmits in the last step, through its middle: force [N] and torque [N m] of
+  /// the side behind on the side before. Damping and what pulls in the rod by itself are in it.
+  std::vector<Wrench> section_wrenches(BodyId body) const;
   /// Points of the surfaces of two bodies that are nearest to each other, as they are now; of rods, of their
   /// centre lines. Distance 0 where they intersect; contact may be disabled. Throws InvalidArgument for a
   /// body with itself.

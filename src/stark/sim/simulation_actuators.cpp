@@ -12,6 +12,21 @@ namespace {
 
 std::string owner_text(const ActuatorDescription& actuator) { return "actuator '" + actuator.name + "'"; }
 
+/// Throws for an actuator that acts on a rate, where nothing has one, unless it is capped at zero.
+void require_no_rates(const ActuatorDescription& actuator, const Actuator& law,
+                      std::span<const double> values) {
+  if (!actuator.definition->needs_rates) return;
+  for (size_t p = 0; p < law.parameters().size(); ++p)
+    if (law.parameters()[p].name == "cap" && values[p] == 0.0) return;
+  throw InvalidArgument(owner_text(actuator) + ": " + actuator.definition->name +
+                        " acts on a rate, and quasistatic steps have none: must be used with "
+                        "time.integrator = implicit_euler or bdf2; use position_servo, effort or brake here");
+}
+
+std::span<const double> values_of(const State& state, const ModelActuator& place) {
+  return std::span(state.actuator_value).subspan(place.value, place.law->parameters().size());
+}
+
 }  // namespace
 
 void Simulation::check_actuators() {
@@ -25,11 +40,9 @@ void Simulation::check_actuators() {
   const auto joints = static_cast<int32_t>(scene_.joints().size());
   for (int32_t k = 0; k < static_cast<int32_t>(scene_.actuators().size()); ++k) {
     const ActuatorDescription& actuator = scene_.actuators()[k];
-    if (actuator.definition->needs_rates && !has_inertia(settings_.time.integrator))
-      throw InvalidArgument(owner_text(actuator) + ": " + actuator.definition->name +
-                            " drives a rate, and quasistatic steps have none: must be used with "
-                            "time.integrator = implicit_euler; use position_servo or effort here");
     const Actuator& law = *model_->actuators()[k].law;
+    if (actuator.enabled && !has_inertia(settings_.time.integrator))
+      require_no_rates(actuator, law, values_of(state_, model_->actuators()[k]));
     const int64_t first = energies_.constraints.place(joints + k).residual;
     for (size_t r = 0; actuator.enabled && r < law.units().size(); ++r) {
       const bool is_length = law.units()[r] == ResidualUnit::Length;
@@ -73,6 +86,8 @@ void Simulation::set_actuator_value(ActuatorId id, const std::string& name, doub
     values[place.law->parameters()[p].name] = state_.actuator_value[place.value + p];
   values[name] = value;
   check_order(owner_text(actuator), *actuator.definition, values);
+  if (!has_inertia(settings_.time.integrator) && name == "cap")
+    require_no_rates(actuator, *place.law, std::vector(place.law->parameters().size(), value));
   state_.actuator_value[place.value + k] = value;
 }
 
@@ -83,7 +98,10 @@ double Simulation::actuator_value(ActuatorId id, const std::string& name) const 
 }
 
 void Simulation::set_actuator_enabled(ActuatorId id, bool enabled) {
-  scene_.actuator(id);
+  const ActuatorDescription& actuator = scene_.actuator(id);
+  const ModelActuator& place = model_->actuators()[id.index];
+  if (enabled && !has_inertia(settings_.time.integrator))
+    require_no_rates(actuator, *place.law, values_of(state_, place));
   state_.actuator_enabled[id.index] = enabled ? 1.0 : 0.0;
 }
 

@@ -62,7 +62,14 @@ void Simulation::check_joints() {
           owner_text(scene_.joints()[j]) +
           ": its residuals or their derivatives are not finite at time 0: must be; look for the norm "
           "of a zero vector, a division by zero, or the root or logarithm of a negative number there");
-    for (const Gap& gap : gaps_of(joint, std::span(C).subspan(place.residual), settings_.joints))
+    for (const Gap& gap : gaps_of(joint, std::span(C).subspan(place.residual), settings_.joints)) {
+      if (scene_.joints()[j].definition->name == "distance")
+        throw InvalidArgument(owner_text(scene_.joints()[j]) + ": length = " +
+                              quantity_text(scene_.joints()[j].values.at("length").values.front(), "m") +
+                              " differs by " + residual_text(gap.size, gap.unit) +
+                              " from the distance of its points at time 0: must be within " +
+                              residual_text(gap.tolerance, gap.unit) +
+                              "; leave it out to keep that distance, or add the joint with enabled = false");
       throw InvalidArgument(
           owner_text(scene_.joints()[j]) + ": its frames differ by " + residual_text(gap.size, gap.unit) +
           " at time 0: must be within " + residual_text(gap.tolerance, gap.unit) +
@@ -71,6 +78,7 @@ void Simulation::check_joints() {
                : "; turn both frames alike (where one side has a frame of its own, leave out anchor, axis "
                  "and rotation: the other side takes that frame)") +
           ", or add the joint with enabled = false");
+    }
   }
 }
 

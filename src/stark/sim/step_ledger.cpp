@@ -293,6 +293,18 @@ double StepLedger::flow_dissipation() {
   return total;
 }
 
+std::vector<Vec3> StepLedger::site_gradient() const {
+  const std::span<const Vec3> x = potential_.site_positions();
+  std::vector<Vec3> gradient(x.size());
+  for (const PotentialBatch* batch : energies_.all_batches()) add_site_gradient(*batch, x, 1.0, gradient);
+  for (const ModelQuadrature& elements : energies_.quadrature)
+    add_site_gradient(elements.batch, x, 1.0, gradient);
+  if (contact_)
+    for (const PotentialBatch* batch : contact_->batches(Curvature::Exact))
+      add_site_gradient(*batch, x, 1.0 / contact_->weight(), gradient);
+  return gradient;
+}
+
 double StepLedger::prescribed_work() {
   const KinematicMap& map = model_.map();
   const std::span<const Vec3> x = potential_.site_positions();
@@ -316,13 +328,7 @@ double StepLedger::prescribed_work() {
     any = any || motion[d] != Vec3{};
   }
   if (!any) return 0.0;
-  std::vector<Vec3> gradient(x.size());
-  for (const PotentialBatch* batch : energies_.all_batches()) add_site_gradient(*batch, x, 1.0, gradient);
-  for (const ModelQuadrature& elements : energies_.quadrature)
-    add_site_gradient(elements.batch, x, 1.0, gradient);
-  if (contact_)
-    for (const PotentialBatch* batch : contact_->batches(Curvature::Exact))
-      add_site_gradient(*batch, x, 1.0 / contact_->weight(), gradient);
+  const std::vector<Vec3> gradient = site_gradient();
   double total = 0.0;
   for (size_t d = 0; d < driven_.size(); ++d) total += dot(gradient[driven_[d]], motion[d]);
   return total;

@@ -27,6 +27,9 @@ class StepLedger : private StepPart {
   /// where joints had the coordinates `coordinates_before`.
   EnergyLedger balance(const EnergyLedger& before, std::span<const double> coordinates_before);
   Momentum momentum() const;
+  /// Derivative of all energies of the step by each site at its end [N]: with the forces of what prescribes
+  /// sites it adds up to zero.
+  std::vector<Vec3> site_gradient() const;
 
  private:
   double prescribed_work();

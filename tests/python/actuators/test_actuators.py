@@ -324,3 +324,41 @@ def test_limits_that_look_like_degrees_warn() -> None:
         hinge.add_limit(-90, 90)
     with pytest.raises(AttributeError, match="'hinge' has no attribute 'angel'; its coordinates: angle"):
         _ = hinge.angel
+
+
+def test_dry_friction_is_refused_where_nothing_has_a_rate() -> None:
+    """It would hold nothing; dampers, and friction capped at zero, have nothing to do."""
+    static = {"time.integrator": "quasistatic"}
+    scene, _, hinge = machine()
+    hinge.add_friction(cap=1.0)
+    with pytest.raises(stark.InvalidArgument, match=r"joint_friction acts on a rate, .* or brake here"):
+        simulate(scene, **static)
+
+    scene, _, hinge = machine()
+    damper = hinge.add_friction(cap=0.0, viscous=0.3)
+    off = hinge.add_friction(cap=1.0, enabled=False)
+    hinge.add_spring(stiffness=1.0)
+    sim = simulate(scene, **static)
+    advance(sim, 1)
+    assert damper.torque == 0.0
+    with pytest.raises(stark.InvalidArgument, match="acts on a rate"):
+        damper.cap = 1.0
+    with pytest.raises(stark.InvalidArgument, match="acts on a rate"):
+        off.enabled = True
+    damper.viscous = 0.5
+    advance(sim, 1)
+
+
+def test_a_servo_follows_a_moving_target_with_its_rate() -> None:
+    """Without it the damping brakes what should move: it lags by damping / stiffness times the speed."""
+    behind = {}
+    for knows_rate in (False, True):
+        scene, _, hinge = machine()
+        servo = hinge.add_servo(lambda t: 2.0 * t, stiffness=50.0, damping=5.0, cap=100.0)
+        if knows_rate:
+            servo.target_rate = 2.0
+        sim = simulate(scene)
+        sim.run_until(2.0)
+        behind[knows_rate] = 4.0 - hinge.angle
+    assert behind[False] == pytest.approx(2.0 * 5.0 / 50.0, rel=1e-3)
+    assert abs(behind[True]) < 1e-3

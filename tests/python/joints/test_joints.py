@@ -180,3 +180,28 @@ def test_forces_that_underflow_do_not_stop_bodies_on_sliders() -> None:
     sim.run_until(0.06)
     assert left.velocity[0] + right.velocity[0] == pytest.approx(0.9, rel=1e-9)
     assert right.velocity[0] > 0.45
+
+
+def test_an_anchor_of_no_use_is_refused() -> None:
+    scene = stark.Scene()
+    a, b = body(scene), body(scene, (0.3, 0.0, 0.0))
+    frames = a.frame((0.05, 0.0, 0.0)), b.frame((-0.25, 0.0, 0.0))
+    with pytest.raises(
+        stark.InvalidArgument, match="anchor of no use, as both sides have frames of their own"
+    ):
+        scene.add_fixed(*frames, anchor=(5.0, 5.0, 5.0))
+    with pytest.raises(stark.InvalidArgument, match="anchor and axis of no use"):
+        scene.add_hinge(*frames, anchor=(0.05, 0.0, 0.0), axis="x")
+    scene.add_hinge(frames[0], b, anchor=(0.05, 0.0, 0.0))  # of use to the body
+    scene.add_fixed(*frames)
+
+
+def test_a_distance_other_than_that_of_its_points_is_named() -> None:
+    scene = stark.Scene()
+    a, b = body(scene), body(scene, (0.3, 0.0, 0.0))
+    scene.add_distance(a, b, (0.0, 0.0, 0.0), (0.3, 0.0, 0.0), length=0.5)
+    message = (
+        r"length = 0\.5 m differs by 0\.2 m from the distance of its points at time 0: must be within 1e-06"
+    )
+    with pytest.raises(stark.InvalidArgument, match=message):
+        simulate(scene)
