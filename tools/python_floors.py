@@ -27,7 +27,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("array_file", "rotations", "body_kinds", "palette", "scene_record", "telemetry"),
     ("mesh", "materials", "surfaces", "motion", "settings", "tubes", "symbolic", "curves"),
     ("handle",),
-    ("courses", "selections"),
+    ("courses", "selections", "joined_points"),
     ("bodies", "formulas"),
     ("joints", "actuators", "attachments", "loads", "measured"),
     ("robots",),

@@ -26,6 +26,11 @@ PointSet points_of(const nb::dict& entries) {
         body, rows_of<Supports, int32_t, 4>(entries["supports"], "supports", "an (n, 4) array of vertices"),
         rows_of<Weights, double, 4>(entries["weights"], "weights", "an (n, 4) array"));
   }
+  if (kind == "joined") {
+    std::vector<PointSet> parts;
+    for (const nb::handle part : entries["parts"]) parts.push_back(points_of(nb::cast<nb::dict>(part)));
+    return joined_points(std::move(parts));
+  }
   const auto local = rows_of<Vec3, double, 3>(entries["local"], "points", "an (n, 3) array");
   if (kind == "world") return world_points(local);
   if (kind == "point") return body_points(body, local);

@@ -10,6 +10,7 @@
 #include <stark/mechanics/formula_sample.h>
 #include <stark/mechanics/law_density.h>
 #include <stark/sim/registry.h>
+#include <stark/symbolic/substitute.h>
 
 #include "domains.h"
 #include "given.h"
@@ -35,12 +36,17 @@ nb::list traced_list(const Builder& builder, std::span<const symbolic::Scalar> v
   return list;
 }
 
-Formula finish(const Builder& builder, nb::handle outputs) {
+/// `is_energy`: of elements in a scene, which have sums over all of them.
+Formula finish(const Builder& builder, nb::handle outputs, bool is_energy) {
   std::vector<symbolic::Scalar> values;
   for (const TracedScalar& output : require_traced_list(outputs, "outputs of the formula")) {
     if (output.graph && output.graph != builder->graph())
       throw TraceError("the formula returns values of another formula; use its own arguments only");
     values.push_back(output.value);
+    if (!is_energy && !symbolic::totals_in(output.value).empty())
+      throw TraceError(
+          "stark.total(...) has no meaning here: it is the sum over all elements of an energy; use it in a "
+          "function of @stark.energy");
   }
   return Formula(builder, std::move(values));
 }
@@ -163,7 +169,8 @@ void bind_formulas(nanobind::module_& m) {
             b->graph()->set_name(value.value, name);
           },
           "value"_a, "name"_a, "Names an input for printing.")
-      .def("finish", &finish, "outputs"_a, "The formula with these scalars as outputs.");
+      .def("finish", &finish, "outputs"_a, "is_energy"_a = false,
+           "The formula with these scalars as outputs.");
   using Sample = FormulaSample;
   nb::class_<Sample>(m, "FormulaSample", "A compiled formula on given elements, outside of any simulation.")
       .def(

@@ -196,6 +196,13 @@ void bind_energies_and_joints(nb::class_<Simulation>& c) {
            "Energies of its elements (n,) [J].")
       .def("element_forces", with_arrays<&Simulation::element_forces>, "energy"_a,
            "Forces on the points of its elements in the last step (n * points, 3) [N].")
+      .def(
+          "energy_totals",
+          [](const Simulation& s, EnergyId energy) {
+            TouchingPlane plane = s.energy_plane(energy);
+            return nb::make_tuple(to_numpy(std::move(plane.totals)), to_numpy(std::move(plane.slopes)));
+          },
+          "energy"_a, "Totals of an energy, and its derivatives by them.")
       .def("pin_forces", with_arrays<&Simulation::pin_forces>, "body"_a,
            "Forces that hold the pins in the last step (k, 3) [N].")
       .def("clamp_torques", with_arrays<&Simulation::clamp_torques>, "body"_a,

@@ -45,6 +45,10 @@ void bind_graph(nb::module_& m) {
       .def(
           "mark_stage", [](Graph& g, const TracedScalar& value) { g.mark_stage(value.value); }, "value"_a,
           "Hint for differentiation: derivatives may go through this value. Never changes results.")
+      .def(
+          "set_name",
+          [](Graph& g, const TracedScalar& value, const std::string& name) { g.set_name(value.value, name); },
+          "value"_a, "name"_a, "Names a value for printing.")
       .def_prop_ro(
           "stages", [](const Graph& g) { return std::vector<symbolic::NodeId>(g.stages()); },
           "Numbers of the nodes that were marked so.")

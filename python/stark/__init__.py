@@ -97,6 +97,7 @@ _PLACES = {
         "generalized_maxwell generalized_maxwell_rod generalized_maxwell_shell internal j2_plasticity "
         "j2_viscoplasticity ogden_roxburgh parameter stencils world_frame world_points"
     ),
+    "stark.joined_points": "JoinedPoints joined",
     "stark.joints": "Joint Wrench hold joint",
     "stark.attachments": "Attachment",
     "stark.checkpoint": "Checkpoint CheckpointError",
@@ -107,7 +108,7 @@ _PLACES = {
     "stark.symbolic": (
         "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross "
         "determinant diag dot exp fma held identity invariants inverse log mat maximum minimum norm "
-        "normalized outer pow sin sinh skew sqrt square squared_norm tan tanh trace transpose vec "
+        "normalized outer pow sin sinh skew sqrt square squared_norm tan tanh total trace transpose vec "
         "where"
     ),
 }

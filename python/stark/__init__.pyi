@@ -102,6 +102,7 @@ from stark.formulas import (
     world_frame as world_frame,
     world_points as world_points,
 )
+from stark.joined_points import JoinedPoints as JoinedPoints, joined as joined
 from stark.joints import Joint as Joint, Wrench as Wrench, hold as hold, joint as joint
 from stark.materials import (
     RodMaterial as RodMaterial,
@@ -157,6 +158,7 @@ from stark.symbolic import (
     tan as tan,
     held as held,
     tanh as tanh,
+    total as total,
     trace as trace,
     transpose as transpose,
     vec as vec,

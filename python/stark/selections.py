@@ -41,11 +41,16 @@ class Points:
 
     def __getitem__(self, key: Any) -> Points:
         """Some of the points: an index, a slice, indices or a mask. An index gives a set of one point."""
-        rows = _rows(key, len(self), repr(self))
+        rows = rows_of(key, len(self), repr(self))
         columns = {k: v if k == "node" else v[rows] for k, v in self._columns.items()}
         chosen = Points(self.body, self._kind, columns, self._initial)
         chosen.is_direction = self.is_direction
         return chosen
+
+    @property
+    def bodies(self) -> list[BodyHandle]:
+        """The body whose points they are; empty for points of the world."""
+        return [] if self.body is None else [self.body]
 
     @property
     def positions(self) -> Floats:
@@ -84,8 +89,8 @@ class Points:
 class Stencils:
     """n stencils of k points each: edges, triangles, tetrahedra, hinges, or any points in columns."""
 
-    def __init__(self, columns: Sequence[Points], noun: str = "stencils") -> None:
-        self.columns: tuple[Points, ...] = tuple(columns)
+    def __init__(self, columns: Sequence[Any], noun: str = "stencils") -> None:
+        self.columns: tuple[Any, ...] = tuple(columns)
         """k selections of points, equally long or of one point."""
         self._noun = noun
         counts = {len(c) for c in columns} - {1}
@@ -105,12 +110,14 @@ class Stencils:
 
     def __getitem__(self, key: Any) -> Stencils:
         """Some of the stencils: an index, a slice, indices or a mask."""
-        rows = _rows(key, len(self), repr(self))
+        rows = rows_of(key, len(self), repr(self))
         columns = [c if len(c) == 1 and len(self) != 1 else c[rows] for c in self.columns]
         return Stencils(columns, self._noun)
 
     def __repr__(self) -> str:
-        owners = dict.fromkeys("the world" if c.body is None else f"'{c.body.name}'" for c in self.columns)
+        owners = dict.fromkeys(
+            owner for c in self.columns for owner in ([f"'{b.name}'" for b in c.bodies] or ["the world"])
+        )
         return f"<{len(self)} {self._noun} of {self.point_count} points of {' and '.join(owners)}>"
 
 
@@ -320,7 +327,7 @@ def _check_vertices(body: BodyHandle, indices: NDArray[Any]) -> None:
         raise InvalidArgument(f"'{body.name}': vertex {wrong.flat[0]}: must be in [0, {count})")
 
 
-def _rows(key: Any, count: int, owner: str) -> NDArray[np.intp]:
+def rows_of(key: Any, count: int, owner: str) -> NDArray[np.intp]:
     """Row numbers that an index, slice, list or mask selects; an empty list selects none, as an empty mask
     does."""
     refuse_masked(key, f"{owner}: the index")

@@ -21,7 +21,7 @@ struct Workbench {
   explicit Workbench(const MixedScene& s, int threads = 1, size_t static_batches = kStaticBatches)
       : scene(s), pool(threads), assembler(s.map, pool) {
     // The plain batch, the last one, is static.
-    std::vector<const PotentialBatch*> fixed = s.pointers(0, static_batches);
+    std::vector<PotentialBatch*> fixed = s.fixed(0, static_batches);
     fixed.push_back(&s.batches.back());
     assembler.set_static_batches(fixed);
     assembler.set_dynamic_batches(s.pointers(static_batches, s.batches.size() - 1));
@@ -247,7 +247,7 @@ TEST_CASE(
   const MixedScene scene(5);
   ThreadPool pool(1);
   Assembler assembler(scene.map, pool);
-  assembler.set_static_batches(scene.pointers(0, scene.batches.size()));
+  assembler.set_static_batches(scene.fixed(0, scene.batches.size()));
   std::vector<double> gradient(scene.dof_count());
   BlockMatrix hessian;
   const std::vector<Vec3> x = scene.positions(scene.configuration);

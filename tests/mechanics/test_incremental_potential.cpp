@@ -57,7 +57,7 @@ struct Bench {
         potential(make(with_active_set)) {}
 
   IncrementalPotential make(bool with_active_set) {
-    std::vector<const PotentialBatch*> fixed = scene.pointers(0, 3);
+    std::vector<PotentialBatch*> fixed = scene.fixed(0, 3);
     fixed.push_back(&scene.batches[4]);
     if (!with_active_set) fixed.push_back(&scene.batches[3]);
     assembler.set_static_batches(fixed);

@@ -164,6 +164,13 @@ class MixedScene {
     return result;
   }
 
+  /// Static batches, which the assembler touches.
+  std::vector<PotentialBatch*> fixed(size_t first, size_t last) const {
+    std::vector<PotentialBatch*> result;
+    for (size_t k = first; k < last; ++k) result.push_back(&batches[k]);
+    return result;
+  }
+
   /// configuration moved along direction by t.
   Configuration along(std::span<const double> direction, double t) const {
     Configuration result;
@@ -175,7 +182,7 @@ class MixedScene {
 
   KinematicMap map;
   Configuration configuration;
-  std::vector<PotentialBatch> batches;
+  mutable std::vector<PotentialBatch> batches;
   int32_t first_barycentric = 0;
 };
 

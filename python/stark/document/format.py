@@ -181,20 +181,21 @@ LAYER = Tagged(
     },
 )
 
-#: Points of energies and attachments.
-POINTS = Tagged(
+_POINTS = {
+    "world": Record({"local": Field(_points())}),
+    "vertices": Record({"body": _BODY, "vertices": Field(Array((None,), integers=True))}),
+    "embedded": Record({"body": _BODY, "supports": Field(_indices(4)), "weights": Field(Array((None, 4)))}),
+    "point": Record({"body": _BODY, "local": Field(_points())}),
+    "direction": Record({"body": _BODY, "local": Field(Array((None, 3)))}),
+    "node_point": Record({"body": _BODY, "node": Field(Whole()), "local": Field(_points())}),
+    "node_direction": Record({"body": _BODY, "node": Field(Whole()), "local": Field(Array((None, 3)))}),
+}
+#: Points of attachments.
+POINTS = Tagged("kind", _POINTS)
+#: Points of energies, which may be of several bodies.
+ENERGY_POINTS = Tagged(
     "kind",
-    {
-        "world": Record({"local": Field(_points())}),
-        "vertices": Record({"body": _BODY, "vertices": Field(Array((None,), integers=True))}),
-        "embedded": Record(
-            {"body": _BODY, "supports": Field(_indices(4)), "weights": Field(Array((None, 4)))}
-        ),
-        "point": Record({"body": _BODY, "local": Field(_points())}),
-        "direction": Record({"body": _BODY, "local": Field(Array((None, 3)))}),
-        "node_point": Record({"body": _BODY, "node": Field(Whole()), "local": Field(_points())}),
-        "node_direction": Record({"body": _BODY, "node": Field(Whole()), "local": Field(Array((None, 3)))}),
-    },
+    {**_POINTS, "joined": Record({"parts": Field(Listing(POINTS), doc="one after another")})},
 )
 _AXES = {
     "position": Field(vector("m")),
@@ -239,6 +240,7 @@ _FORMULA = {
         "and the numbers of the nodes that it is applied to",
     ),
     "outputs": Field(Listing(Whole(), 1000), doc="numbers of nodes"),
+    "totals": Field(Listing(Text(), 100), [], "names of the totals among the nodes, in order"),
     "stages": Field(Listing(Whole(), 50_000), [], "nodes that derivatives may go through, for speed"),
 }
 _LAW_FORMULA = {
@@ -340,7 +342,7 @@ ENERGY = Record(
     {
         "name": _NAME,
         "formula": Field(Whole(), doc="number of the formula"),
-        "points": Field(Listing(POINTS, 32), doc="for each point of the formula, equally many or one"),
+        "points": Field(Listing(ENERGY_POINTS, 32), doc="for each point of the formula, equally many or one"),
         "values": Field(Named(Record({"value": Field(AnyArray()), "per_element": Field(Flag(), False)})), {}),
     }
 )
@@ -435,6 +437,7 @@ def schema() -> dict[str, Any]:
 _SHARED: dict[str, Kind] = {
     "material": MATERIAL,
     "points": POINTS,
+    "energy_points": ENERGY_POINTS,
     "frame": FRAME,
     "motion": MOTION,
     "formula": FORMULA,

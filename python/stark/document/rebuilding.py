@@ -21,6 +21,7 @@ from stark.formulas.adding import add_energy
 from stark.formulas.binding import BoundEnergy
 from stark.formulas.energy import Binding
 from stark.formulas.parameters import Value, read_value
+from stark.joined_points import JoinedPoints
 from stark.joints.definition import built_in as built_in_joint
 from stark.joints.handle import Joint
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
@@ -142,7 +143,7 @@ class Rebuilding:
 
     def _add_energies(self, row: dict[str, Any], where: str) -> None:
         formula = self._formula(row["formula"], recorded.ReadFormula, where)
-        columns = [self._points(entry, f"{where}.points[{k}]") for k, entry in enumerate(row["points"])]
+        columns = [self._column(entry, f"{where}.points[{k}]") for k, entry in enumerate(row["points"])]
         trace = formula.trace()
         if len(columns) != trace.formula.point_count:
             raise DocumentError(
@@ -181,6 +182,12 @@ class Rebuilding:
             else:
                 constants[name] = array.reshape(-1)
         return values, constants
+
+    def _column(self, row: dict[str, Any], where: str) -> Points | JoinedPoints:
+        if row["kind"] != "joined":
+            return self._points(row, where)
+        parts = [self._points(part, f"{where}.parts[{k}]") for k, part in enumerate(row["parts"])]
+        return JoinedPoints(parts)
 
     def _points(self, row: dict[str, Any], where: str) -> Points:
         kind = row["kind"]

@@ -15,6 +15,7 @@ from stark.formulas.energy import EnergyFormula
 from stark.formulas.internal import Internal, InternalDeclaration
 from stark.formulas.listing import OPERATIONS, Input, listed, replayed, stages_of
 from stark.formulas.parameters import UNBOUNDED, Declaration, Parameter
+from stark.formulas.totals import totals_of
 from stark.formulas.tracing import Trace, is_translation_invariant
 from stark.joints.definition import JointFormula
 from stark.symbolic.graph import ExpressionGraph
@@ -99,8 +100,14 @@ def _described(
         "inputs": [_input(row, known.get(row["name"])) for row in formula.fields],
         "nodes": [[_number(entry) for entry in node] for node in nodes],
         "outputs": outputs,
+        **({"totals": names} if (names := _total_names(graph)) else {}),
         **({"stages": stages} if (stages := stages_of(graph)) else {}),
     }
+
+
+def _total_names(graph: ExpressionGraph) -> list[str]:
+    names = [node.name for node in graph.nodes.values() if node.operation == "total"]
+    return names if any(names) else []
 
 
 def _input(row: Mapping[str, Any], parameter: Parameter | None) -> dict[str, Any]:
@@ -167,6 +174,7 @@ def made(row: Mapping[str, Any], where: str) -> Any:
         formula, graph, sources = replayed(
             row["points"], [_row(entry) for entry in row["inputs"]], row["nodes"], row["outputs"],
             _internals(row), row.get("stages", ()),
+            row.get("totals", ()) if row["kind"] == "energy" else None,
         )  # fmt: skip
         return _MAKERS[row["kind"]](row, formula, graph, sources, parameters)
     except DocumentError:
@@ -277,6 +285,7 @@ def _energy(
         is_translation_invariant(graph.outputs[0], unknowns),
         tuple(f"p[{k}]" for k in range(count)),
         dict(sources),
+        totals_of(graph.outputs[0], sources),
     )
     return ReadFormula(row, trace, given)
 

@@ -17,6 +17,7 @@ from stark.formulas.kinematics import Point
 from stark.formulas.parameters import Declaration, Parameter, Value, numbers_of, read_value
 from stark.formulas.statistics import FormulaStatistics
 from stark.handle import BodyHandle
+from stark.joined_points import JoinedPoints
 from stark.selections import FrameHandle, Points, Stencils, rigid_frame, world_points
 from stark.symbolic.errors import definition_of
 from stark.symbolic.graph import ExpressionGraph
@@ -80,7 +81,7 @@ class BoundEnergy:
         self.energy = energy
         self.frames: tuple[str, ...] = ()
         self.constants: dict[str, Any] = {}  # of patch frames
-        columns: list[Points] = []
+        columns: list[Any] = []
         for argument in energy.arguments:
             if isinstance(argument, PointArgument):
                 columns += self._point_columns(argument, given[argument.name])
@@ -88,9 +89,10 @@ class BoundEnergy:
                 columns += self._frame_columns(argument, given[argument.name])
         self.element_count: int = self._count(columns)
         self.trace: tracing.Trace = energy.trace(self.frames)
-        self.columns: list[Points] = [columns[p] for p in self.trace.kept]
+        self.columns: list[Any] = [columns[p] for p in self.trace.kept]
         """A selection of points for each point of the formula."""
         self.values: dict[str, Value] = {p.name: self._value(p, given) for p in energy.parameters}
+        self._check_outside_totals()
 
     def copy(self) -> Self:
         """The same with values of its own."""
@@ -106,7 +108,7 @@ class BoundEnergy:
     @property
     def bodies(self) -> list[BodyHandle]:
         """Bodies it acts on, each once."""
-        return list(dict.fromkeys(c.body for c in self.columns if c.body is not None))
+        return list(dict.fromkeys(body for column in self.columns for body in column.bodies))
 
     def core_values(self) -> dict[str, tuple[Any, bool]]:
         """All values as the core reads them: name -> (numbers, per_element)."""
@@ -122,7 +124,7 @@ class BoundEnergy:
         possible = 2 <= len(self.columns) <= 4
         return possible and (self.trace.translation_invariant if declared is None else declared)
 
-    def _point_columns(self, argument: PointArgument, given: Any) -> list[Points]:
+    def _point_columns(self, argument: PointArgument, given: Any) -> list[Any]:
         owner = f"{self.name}: argument '{argument.name}'"
         wanted = argument.kind.point_count
         if isinstance(given, BodyHandle):
@@ -130,8 +132,8 @@ class BoundEnergy:
                 f"{owner} is the body '{given.name}': must be {argument.noun}; choose some of its points, "
                 f"for instance {_example(argument)}"
             )
-        if isinstance(given, (Points, Stencils)):
-            columns = [given] if isinstance(given, Points) else list(given.columns)
+        if isinstance(given, (Points, JoinedPoints, Stencils)):
+            columns = list(given.columns) if isinstance(given, Stencils) else [given]
         elif argument.kind is Point:
             columns = [world_points(_numbers(owner, given))]
         elif isinstance(given, (tuple, list)):
@@ -147,12 +149,12 @@ class BoundEnergy:
             )
         return columns
 
-    def _single(self, owner: str, given: Any) -> list[Points]:
+    def _single(self, owner: str, given: Any) -> list[Any]:
         if isinstance(given, Stencils):
             return list(given.columns)
-        return [given if isinstance(given, Points) else world_points(_numbers(owner, given))]
+        return [given if isinstance(given, (Points, JoinedPoints)) else world_points(_numbers(owner, given))]
 
-    def _frame_columns(self, argument: FrameArgument, given: Any) -> list[Points]:
+    def _frame_columns(self, argument: FrameArgument, given: Any) -> list[Any]:
         handle = rigid_frame(given, (0.0, 0.0, 0.0), None) if _is_rigid(given) else given
         if not isinstance(handle, FrameHandle):
             raise InvalidArgument(
@@ -164,7 +166,7 @@ class BoundEnergy:
         assert len(handle.columns) == KINDS[handle.kind].point_count
         return list(handle.columns)
 
-    def _count(self, columns: Sequence[Points]) -> int:
+    def _count(self, columns: Sequence[Any]) -> int:
         counts = {len(c) for c in columns}
         if 0 in counts:
             empty = next(c for c in columns if len(c) == 0)
@@ -173,6 +175,15 @@ class BoundEnergy:
             sizes = " and ".join(repr(c) for c in columns if len(c) != 1)
             raise InvalidArgument(f"{self.name}: acts on {sizes}: must all be equally many, or one")
         return max(counts)
+
+    def _check_outside_totals(self) -> None:
+        totals = self.trace.totals
+        for name, value in self.values.items():
+            if totals is not None and value.per_element and name in totals.outside:
+                raise InvalidArgument(
+                    f"{self.name}: '{name}' has a value for each of {self.element_count} elements, but "
+                    f"occurs outside of stark.total(...): must be one value for all of them"
+                )
 
     def _value(self, parameter: Parameter, given: dict[str, Any]) -> Value:
         value = given.get(parameter.name, parameter.declaration.default)

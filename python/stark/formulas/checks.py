@@ -3,6 +3,7 @@ differences, behaviour under rigid motion, definiteness, values at the start and
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -71,9 +72,11 @@ class CheckReport:
 class Elements:
     """Some elements of a binding, evaluated at any positions."""
 
+    most: int = _MOST_ELEMENTS
+
     def __init__(self, binding: BoundEnergy, rng: np.random.Generator) -> None:
         self.binding = binding
-        count = min(binding.element_count, _MOST_ELEMENTS)
+        count = min(binding.element_count, self.most)
         self.rows: NDArray[Any] = np.sort(rng.permutation(binding.element_count)[:count])
         self.start: NDArray[Any] = stacked(binding, "positions", self.rows)
         self.is_direction: NDArray[Any] = np.array([c.is_direction for c in binding.columns])
@@ -122,8 +125,32 @@ class Elements:
         return values[:, 0], values[:, 1 : 1 + n] if order > 0 else np.zeros((len(self.rows), n)), hessian
 
 
+class Whole(Elements):
+    """All elements of an energy of totals, as one element of many points. Of its stiffness only that of
+    elements alone is known, so it is left at zero."""
+
+    most: int = sys.maxsize
+
+    def __init__(self, binding: BoundEnergy, rng: np.random.Generator) -> None:
+        super().__init__(binding, rng)
+        points = (1, -1, 3)
+        self.start: NDArray[Any] = self.start.reshape(points)
+        self.moved: Any = self.moved.reshape(points)
+        self.moved_before: Any = self.moved_before.reshape(points)
+        self.is_direction: NDArray[Any] = np.tile(self.is_direction, len(self.rows))
+        self.size: NDArray[Any] = self.size.mean(keepdims=True)
+
+    def _split(self, flat: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        values = flat.reshape(len(self.rows), -1)
+        n = 3 * len(self.binding.columns)
+        gradient = values[:, 1 : 1 + n] if order > 0 else np.zeros((len(self.rows), n))
+        return values[:, 0].sum(keepdims=True), gradient.reshape(1, -1), np.zeros((1, 1, 1))
+
+
 def check(binding: BoundEnergy, seed: int = 0) -> CheckReport:
     """Tests a bound energy on its own points, moved at random by 5 % of the size of an element."""
+    if binding.trace.totals is not None:
+        return _check_whole(binding, seed)
     rng = np.random.default_rng(seed)
     elements = Elements(binding, rng)
     findings = [_finite(elements)]
@@ -140,6 +167,23 @@ def check(binding: BoundEnergy, seed: int = 0) -> CheckReport:
             _rest(elements, energy, gradient),
         ]
     return CheckReport(f"{binding.name} on {len(elements.rows)} elements", tuple(findings))
+
+
+def _check_whole(binding: BoundEnergy, seed: int) -> CheckReport:
+    rng = np.random.default_rng(seed)
+    whole = Whole(binding, rng)
+    findings = [_finite(whole)]
+    if findings[0].status == "ok":
+        energy, gradient, _ = whole.evaluate(whole.moved, 1)
+        findings += [
+            _gradient(whole, gradient, rng),
+            _continuous_energy(max(Path(whole, rng, at_rest=k == 0).jump(0) for k in range(_LEAST_PATHS))),
+            _backends(whole),
+            _translation(whole, gradient),
+            _rotation(whole, energy, rng),
+            _rest(whole, energy, gradient),
+        ]
+    return CheckReport(f"{binding.name} on the totals of {len(whole.rows)} elements", tuple(findings))
 
 
 def _finite(elements: Elements) -> Finding:
@@ -249,26 +293,27 @@ def _continuity(elements: Elements, rng: np.random.Generator) -> list[Finding]:
     count = max(2, _LEAST_PATHS // len(elements.rows))
     paths = [Path(elements, rng, at_rest=k % 2 == 0) for k in range(count)]
     energy, forces = (max(path.jump(order) for path in paths) for order in (0, 1))
-    smooth = "no jump of the {} near the start"
-    jumps = energy > _JUMP_TOLERANCE
-    text = (
-        f"the energy jumps near the start by {100.0 * energy:.3g} % of its change; line search fails there; "
-        f"look at abs, minimum, maximum and where"
-    )
-    of_energy = (
-        Finding("continuous energy", "wrong", text, energy)
-        if jumps
-        else Finding("continuous energy", "ok", smooth.format("energy"), energy)
-    )
+    of_energy = _continuous_energy(energy)
     if forces <= _JUMP_TOLERANCE:
-        return [of_energy, Finding("continuous forces", "ok", smooth.format("forces"), forces)]
+        return [of_energy, Finding("continuous forces", "ok", "no jump of the forces near the start", forces)]
+    kink = ": the energy has a kink" if of_energy.status == "ok" else ""
     text = (
         f"the forces jump near the start by {100.0 * forces:.3g} % of their change"
-        f"{'' if jumps else ': the energy has a kink'}; Newton's method may take many iterations, or fail, "
+        f"{kink}; Newton's method may take many iterations, or fail, "
         f"where a kink is in balance; look at abs, minimum, maximum and where, and round them off, as "
         f"stark.sqrt(d**2 + eps**2) does abs(d)"
     )
     return [of_energy, Finding("continuous forces", "note", text, forces)]
+
+
+def _continuous_energy(jump: float) -> Finding:
+    if jump <= _JUMP_TOLERANCE:
+        return Finding("continuous energy", "ok", "no jump of the energy near the start", jump)
+    text = (
+        f"the energy jumps near the start by {100.0 * jump:.3g} % of its change; line search fails there; "
+        f"look at abs, minimum, maximum and where"
+    )
+    return Finding("continuous energy", "wrong", text, jump)
 
 
 def _backends(elements: Elements) -> Finding:

@@ -54,7 +54,7 @@ class Energy(Handle):
 
     @property
     def energies(self) -> Floats:
-        """Energies of the elements at the end of the last step (n,) [J]."""
+        """Energies of the elements at the end of the last step (n,) [J]; of an energy of totals (1,)."""
         found = self._require_simulation("energies")._core.element_energies(self._index)
         return reading(found, self, "energies")
 
@@ -69,6 +69,25 @@ class Energy(Handle):
         formula are those of its arguments in order; of a frame, origin and axes as far as they occur."""
         flat = self._require_simulation("forces")._core.element_forces(self._index)
         return reading(flat.reshape(self.element_count, -1, 3), self, "forces")
+
+    @property
+    def totals(self) -> Mapping[str, float]:
+        """Of an energy of totals: the sums at the end of the last step, by their names."""
+        return self._of_totals("totals", 0)
+
+    @property
+    def total_slopes(self) -> Mapping[str, float]:
+        """Derivatives of an energy of totals by these [J per unit]: of a gas, minus its pressure by its
+        volume."""
+        return self._of_totals("total_slopes", 1)
+
+    def _of_totals(self, what: str, place: int) -> Mapping[str, float]:
+        known = self._binding.trace.totals
+        if known is None:
+            return {}
+        values = self._require_simulation(what)._core.energy_totals(self._index)[place]
+        names = [name or f"total {k}" for k, name in enumerate(known.names)]
+        return dict(zip(names, (float(v) for v in values), strict=False))
 
     def check(self) -> Any:
         """As ``EnergyFormula.check``, with the points and the present values."""
@@ -120,6 +139,9 @@ class Energy(Handle):
             raise AttributeError(name)
         if name in self._binding.values:
             return self._read(name)
+        known = self._binding.trace.totals
+        if known is not None and name in known.names:
+            return self.totals[name]
         raise AttributeError(f"energy '{self.name}' has no attribute '{name}'; {self._known()}")
 
     def __setattr__(self, name: str, given: Any) -> None:
@@ -135,7 +157,8 @@ class Energy(Handle):
         self._write(name, value)
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._binding.values]
+        known = self._binding.trace.totals
+        return [*super().__dir__(), *self._binding.values, *filter(None, known.names if known else ())]
 
     def _known(self) -> str:
         names = ", ".join(self._binding.values)

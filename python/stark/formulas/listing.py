@@ -33,6 +33,7 @@ OPERATIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "atan": (1, f.atan),
     "tanh": (1, f.tanh),
     "held": (1, f.held),
+    "total": (1, f.total),
     "+": (2, lambda a, b: a + b),
     "-": (2, lambda a, b: a - b),
     "*": (2, lambda a, b: a * b),
@@ -102,6 +103,7 @@ def replayed(
     outputs: Sequence[int],
     internals: Sequence[Internal] = (),
     stages: Sequence[int] = (),
+    totals: Sequence[str] | None = None,
 ) -> tuple[_core.Formula, ExpressionGraph, dict[int, tuple[str, int, int]]]:
     """The formula of nodes as ``listed`` gives them, its graph and what the inputs of that are. Nodes must
     have operands before them; raises TraceError for operations on what they are not for, and KeyError or
@@ -113,6 +115,7 @@ def replayed(
     known: dict[str, Any] = {}
     sources: dict[int, tuple[str, int, int]] = {}
     values: list[Any] = []
+    names = iter(totals or ())
     for operation, *operands in nodes:
         if operation == "constant":
             values.append(builder.constant(float(operands[0])))
@@ -133,13 +136,15 @@ def replayed(
             values.append(value)
         else:
             values.append(OPERATIONS[operation][1](*(values[k] for k in operands)))
+            if operation == "total" and (name := next(names, "")):
+                values[-1].graph.set_name(values[-1], name)
     for variable in coming:
         variable.entries(builder)
     for k in stages:
         if values[k].graph is not None:
             values[k].graph.mark_stage(values[k])
     results: list[Scalar] = [values[k] for k in outputs]
-    return builder.finish(results), ExpressionGraph("formula", results), sources
+    return builder.finish(results, is_energy=totals is not None), ExpressionGraph("formula", results), sources
 
 
 def _input(

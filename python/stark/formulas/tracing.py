@@ -11,6 +11,7 @@ from stark.formulas.arguments import Argument, ClockArgument, FrameArgument, Poi
 from stark.formulas.frames import KINDS
 from stark.formulas.kinematics import Inputs, Point
 from stark.formulas.parameters import Parameter
+from stark.formulas.totals import Totals, totals_of
 from stark.symbolic.errors import formula_error, recording
 from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.tensor import Scalar, Tensor, convert, describe, from_shape
@@ -30,6 +31,8 @@ class Trace:
     labels: tuple[str, ...]  # of the kept points, for messages
     sources: Mapping[int, tuple[str, int, int]] = field(default_factory=dict)
     """What the inputs of the graph are, by number: of what, which kept point, which component."""
+    totals: Totals | None = None
+    """Of an energy of totals."""
 
 
 def trace(
@@ -47,11 +50,15 @@ def trace(
         output = record(name, function, arguments, frames, inputs)
     if len(used) > MAX_POINTS:
         raise formula_error(name, _too_many(len(used)), function)
-    formula = inputs.builder.finish([output])
+    formula = inputs.builder.finish([output], is_energy=True)
     fields = tuple(row["name"] for row in formula.fields)
     for argument in arguments:
         if isinstance(argument, Parameter) and argument.name not in fields:
             raise formula_error(name, unused_text(argument.name), function)
+    try:
+        totals = totals_of(output, inputs.sources)
+    except TraceError as error:
+        raise formula_error(name, str(error), function) from None
     title = f"{name}({', '.join(argument.name for argument in arguments)})"
     labels = _labels(arguments, frames)
     return Trace(
@@ -62,6 +69,7 @@ def trace(
         is_translation_invariant(output, inputs.unknowns),
         tuple(labels[p] for p in sorted(used)),
         inputs.sources,
+        totals,
     )
 
 

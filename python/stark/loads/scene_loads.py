@@ -15,6 +15,7 @@ from stark.selections import FrameHandle, Points, Stencils
 
 if TYPE_CHECKING:
     from stark.formulas.handle import Energy
+    from stark.loads.closed_surface import ClosedSurface
 
 
 class SceneLoads(SceneLink):
@@ -32,10 +33,8 @@ class SceneLoads(SceneLink):
         triangles are oriented. ``handle.pressure`` may change at any time, ``handle.energy`` is minus
         pressure times volume [J]. Surfaces that are not closed raise InvalidArgument."""
         from stark.loads import element_faces, formulas
-        from stark.loads.closed_surface import closed_surface
 
-        owner = "pressure" if name is None else f"pressure '{name}'"
-        inside = closed_surface(surface, owner)
+        inside, owner = _inside(surface, "pressure", name)
         values = {"pressure": at_start(pressure, owner), "origin": inside.centre}
         if inside.shares is None:
             bound = formulas.pressure(inside.triples, **values)
@@ -43,6 +42,83 @@ class SceneLoads(SceneLink):
             bound = element_faces.pressure(inside.triples, **values, share=inside.shares)
         load = self.add(bound, name=name)
         set_courses("energy", load, {"pressure": pressure})
+        return load
+
+    def add_gas(
+        self,
+        surface: Body | Stencils,
+        pressure: float = 0.0,
+        *,
+        amount: TimeValue = 1.0,
+        outside: float = 101325.0,
+        exponent: float = 1.0,
+        name: str | None = None,
+    ) -> Energy:
+        """A gas inside a closed surface, whose pressure follows from the volume that the surface has.
+        ``surface`` as for add_pressure. ``pressure``: over that ``outside`` at time 0 [Pa]; ``outside`` is
+        absolute. With the ``exponent`` 1 the gas keeps its temperature, with the ratio of its heat
+        capacities, 1.4 of air, it exchanges no heat. ``handle.amount`` is the gas inside over that at time 0;
+        change it at any time, as a pump does. ``handle.volume`` is the volume inside [m^3],
+        ``-handle.total_slopes["volume"]`` the pressure over that outside [Pa]. [theory eq. 15i]"""
+        from stark.loads import fillings
+
+        inside, owner = _inside(surface, "gas", name)
+        absolute = outside + pressure
+        if not absolute > 0.0:
+            raise InvalidArgument(
+                f"{owner}: pressure = {pressure} Pa over {outside} Pa outside: together they must be above "
+                f"0; pressure is that over the pressure outside"
+            )
+        if not exponent >= 1.0:
+            raise InvalidArgument(
+                f"{owner}: exponent = {exponent}: must be at least 1, where the temperature is constant; "
+                f"1.4 for air that exchanges no heat"
+            )
+        formula = fillings.gas if exponent == 1.0 else fillings.adiabatic_gas
+        bound = formula(
+            inside.triples,
+            amount=at_start(amount, owner),
+            pressure_at_start=absolute,
+            volume_at_start=inside.volume,
+            outside=outside,
+            origin=inside.centre,
+            share=1.0 if inside.shares is None else inside.shares,
+            **({} if exponent == 1.0 else {"exponent": exponent}),
+        )
+        load = self.add(bound, name=name)
+        set_courses("energy", load, {"amount": amount})
+        return load
+
+    def add_liquid(
+        self,
+        surface: Body | Stencils,
+        filling: TimeValue | None = None,
+        *,
+        bulk_modulus: float = 2.2e9,
+        outside: float = 101325.0,
+        name: str | None = None,
+    ) -> Energy:
+        """A liquid inside a closed surface. ``surface`` as for add_pressure. ``filling``: how much there is
+        of it, the volume [m^3] that it has at the pressure ``outside`` [Pa]; by default that inside at time
+        0. Change ``handle.filling`` at any time, as a pump does. ``bulk_modulus`` [Pa]: that of water by
+        default. ``handle.volume`` is the volume inside, ``-handle.total_slopes["volume"]`` the pressure over
+        that outside [Pa]; at an absolute pressure of zero the liquid parts. It has neither mass nor weight:
+        give these to the body around it. [theory eq. 15j]"""
+        from stark.loads import fillings
+
+        inside, owner = _inside(surface, "liquid", name)
+        if filling is None:
+            filling = inside.volume
+        bound = fillings.liquid(
+            inside.triples,
+            filling=at_start(filling, owner),
+            bulk_modulus=bulk_modulus,
+            outside=outside,
+            origin=inside.centre,
+            share=1.0 if inside.shares is None else inside.shares,
+        )
+        load = self.add(bound, name=name)
+        set_courses("energy", load, {"filling": filling})
         return load
 
     def add_force(
@@ -81,3 +157,11 @@ class SceneLoads(SceneLink):
         load = self.add(formulas.torque(body, torque=at_start(torque, "torque")), name=name)
         set_courses("energy", load, {"torque": torque})
         return load
+
+
+def _inside(surface: Any, what: str, name: str | None) -> tuple[ClosedSurface, str]:
+    """The closed surface that is meant, and the name of the load in messages."""
+    from stark.loads.closed_surface import closed_surface
+
+    owner = what if name is None else f"{what} '{name}'"
+    return closed_surface(surface, owner), owner

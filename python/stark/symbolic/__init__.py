@@ -44,6 +44,7 @@ from stark.symbolic.functions import (
     square,
     tan,
     tanh,
+    total,
     where,
 )
 from stark.symbolic.graph import ExpressionGraph
@@ -124,6 +125,7 @@ __all__ = [
     "symbols",
     "tan",
     "tanh",
+    "total",
     "trace",
     "transpose",
     "vec",

@@ -63,6 +63,20 @@ def fma(a: object, b: object, c: object) -> Any:
     return elementwise(core.fma, "fma", a, b, c)
 
 
+def total(x: object, name: str | None = None) -> Any:
+    """The sum of x over all elements of an energy: the volume inside a surface, the length of a cable. An
+    energy of totals is a function of them: ``0.5 * k * (stark.total(e.length, "length") - rest) ** 2``. The
+    handle of the energy has the sum under its name. For formulas of ``stark.energy`` alone."""
+    result = elementwise(core.total, "total", x)
+    if name is not None:
+        if not name.isidentifier() or name.startswith("_"):
+            raise TraceError(f"total: the name {name!r}: must be one that an attribute can have")
+        entries = result.entries if isinstance(result, Tensor) else [result]
+        for k, entry in enumerate(entries):
+            entry.graph.set_name(entry, name if len(entries) == 1 else f"{name}[{k}]")
+    return result
+
+
 def clip(x: object, lower: object, upper: object) -> Any:
     """x, at least `lower` and at most `upper`."""
     return minimum(maximum(x, lower), upper)

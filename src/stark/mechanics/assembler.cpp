@@ -65,7 +65,7 @@ void Assembler::append_pairs(std::span<const int32_t> stencils, int nodes,
   of_supports.append_to(out);
 }
 
-void Assembler::set_static_batches(std::vector<const PotentialBatch*> batches,
+void Assembler::set_static_batches(const std::vector<PotentialBatch*>& batches,
                                    const std::vector<const QuadratureBatch*>& quadrature) {
   std::vector<std::pair<int32_t, int32_t>> pairs;
   const DofLayout& layout = map_.layout();
@@ -78,13 +78,13 @@ void Assembler::set_static_batches(std::vector<const PotentialBatch*> batches,
   pattern_ = {};
   static_plans_.clear();
   quadrature_plans_.clear();
-  for (const PotentialBatch* batch : batches) static_plans_.push_back(plan(*batch));
+  for (PotentialBatch* batch : batches) static_plans_.push_back(plan(*batch));
   for (const QuadratureBatch* batch : quadrature)
     quadrature_plans_.emplace_back(*batch, map_, static_pattern_);
   set_dynamic_batches({});
 }
 
-Assembler::StaticPlan Assembler::plan(const PotentialBatch& batch) const {
+Assembler::StaticPlan Assembler::plan(PotentialBatch& batch) const {
   StaticPlan plan;
   plan.batch = &batch;
   const auto stencils = batch.stencils();
@@ -118,12 +118,15 @@ void Assembler::assemble(const Configuration& configuration, std::span<const Vec
   std::fill(body_moment_.begin(), body_moment_.end(), Mat3{});
   projected_count_ = 0;
   padded_gradient_.assign(4 * static_cast<size_t>(pattern_.block_count), 0.0);
+  low_rank_.clear();
   for (StaticPlan& plan : static_plans_) {
+    plan.batch->touch(x);
     if (plan.is_plain)
       assemble_plain(plan, x, options, out_gradient, out_hessian);
     else
       assemble_mapped(*plan.batch, configuration, x, options, out_gradient, out_hessian,
                       plan.energies.data());
+    if (plan.batch->potential().totals()) add_low_rank(*plan.batch, configuration, x, options, out_gradient);
   }
   for (QuadraturePlan& plan : quadrature_plans_)
     plan.assemble(pool_, x,
@@ -144,7 +147,10 @@ void Assembler::assemble(const Configuration& configuration, std::span<const Vec
 void Assembler::assemble_gradient(const Configuration& configuration, std::span<const Vec3> x,
                                   std::span<double> out_gradient) {
   site_gradient_.assign(x.size(), Vec3{});
-  for (StaticPlan& plan : static_plans_) add_site_gradients(*plan.batch, x, plan.energies.data());
+  for (StaticPlan& plan : static_plans_) {
+    plan.batch->touch(x);
+    add_site_gradients(*plan.batch, x, plan.energies.data());
+  }
   for (QuadraturePlan& plan : quadrature_plans_) plan.add_site_gradients(pool_, x, site_gradient_);
   for (const PotentialBatch* batch : dynamic_batches_) add_site_gradients(*batch, x, nullptr);
   std::fill(out_gradient.begin(), out_gradient.end(), 0.0);
@@ -295,6 +301,31 @@ void Assembler::add_mapped_block(const PotentialBatch& batch, int64_t block, con
   }
 }
 
+void Assembler::add_low_rank(const PotentialBatch& batch, const Configuration& configuration,
+                             std::span<const Vec3> x, const AssemblyOptions& options,
+                             std::span<double> gradient) {
+  const TouchingPlane& plane = batch.plane();
+  const size_t m = plane.totals.size();
+  std::vector<std::vector<double>> columns(m);
+  std::vector<double> pending(m, 0.0);
+  for (size_t k = 0; k < m; ++k) {
+    site_gradient_.assign(x.size(), Vec3{});
+    batch.add_total_gradient(static_cast<int>(k), x, site_gradient_);
+    columns[k].assign(gradient.size(), 0.0);
+    for (int32_t i = 0; i < static_cast<int32_t>(x.size()); ++i) {
+      if (site_gradient_[i] == Vec3{}) continue;
+      if (!options.pending.empty()) pending[k] += dot(site_gradient_[i], options.pending[i]);
+      if (!map_.is_prescribed(i))
+        add_mapped_gradient(map_.jacobian(i, configuration), site_gradient_[i], columns[k]);
+    }
+  }
+  for (size_t k = 0; k < m; ++k)
+    for (size_t l = 0; l < m; ++l)
+      if (const double factor = plane.curvature[k * m + l] * pending[l]; factor != 0.0)
+        for (size_t i = 0; i < gradient.size(); ++i) gradient[i] += factor * columns[k][i];
+  low_rank_.add(columns, plane.curvature, options.project);
+}
+
 void Assembler::add_rigid_curvature(const AssemblyOptions& options, BlockMatrix& hessian) const {
   for (size_t b = 0; b < body_moment_.size(); ++b) {
     const int32_t block = map_.layout().rotation_block[b];
@@ -310,6 +341,12 @@ EnergyDifference Assembler::static_energy_difference(std::span<const Vec3> x) {
   EnergyDifference total;
   std::vector<EnergyDifference> partial;
   for (const StaticPlan& plan : static_plans_) {
+    if (plan.batch->potential().totals()) {
+      const EnergyDifference p = plan.batch->change_of_totals(x);
+      total.difference += p.difference;
+      total.magnitude += p.magnitude;
+      continue;
+    }
     const int64_t blocks = plan.batch->block_count();
     partial.assign((blocks + kChunkBlocks - 1) / kChunkBlocks, {});
     pool_.for_each_range(blocks, kChunkBlocks, [&](int64_t first, int64_t last) {

@@ -21,6 +21,7 @@
 #include <stark/mechanics/lane_congruence.h>
 #include <stark/mechanics/potential_batch.h>
 #include <stark/mechanics/quadrature_plan.h>
+#include <stark/solve/low_rank.h>
 
 namespace stark {
 
@@ -37,7 +38,7 @@ class Assembler {
  public:
   Assembler(const KinematicMap& map, ThreadPool& pool);
 
-  void set_static_batches(std::vector<const PotentialBatch*> batches,
+  void set_static_batches(const std::vector<PotentialBatch*>& batches,
                           const std::vector<const QuadratureBatch*>& quadrature = {});
   /// Pattern of the static batches alone.
   const BlockPattern& static_pattern() const { return static_pattern_; }
@@ -48,6 +49,8 @@ class Assembler {
   /// the energy of every static element for energy_difference().
   void assemble(const Configuration& configuration, std::span<const Vec3> x, const AssemblyOptions& options,
                 std::span<double> out_gradient, BlockMatrix& out_hessian);
+  /// What the Hessian of the last assemble() has beside its blocks: of energies of totals.
+  const LowRank& low_rank() const { return low_rank_; }
   /// Gradient alone, with the energies that energy_difference() compares with.
   void assemble_gradient(const Configuration& configuration, std::span<const Vec3> x,
                          std::span<double> out_gradient);
@@ -60,7 +63,7 @@ class Assembler {
 
  private:
   struct StaticPlan {
-    const PotentialBatch* batch = nullptr;
+    PotentialBatch* batch = nullptr;
     bool is_plain = false;                    ///< all sites are points: identity maps
     std::vector<int32_t> blocks;              ///< plain: per element and point
     std::vector<PairPlace> places;            ///< plain: in the static pattern, per element and pair i <= j
@@ -68,7 +71,7 @@ class Assembler {
     std::vector<double> energies;             ///< at the last assemble()
   };
 
-  StaticPlan plan(const PotentialBatch& batch) const;
+  StaticPlan plan(PotentialBatch& batch) const;
   void append_pairs(std::span<const int32_t> stencils, int nodes,
                     std::vector<std::pair<int32_t, int32_t>>& out) const;
   void assemble_plain(StaticPlan& plan, std::span<const Vec3> x, const AssemblyOptions& options,
@@ -88,6 +91,9 @@ class Assembler {
                         const Configuration& configuration, const AssemblyOptions& options,
                         std::span<double> gradient, BlockMatrix& hessian);
   void add_site_gradients(const PotentialBatch& batch, std::span<const Vec3> x, double* out_energies);
+  /// Adds the Hessian of an energy in its totals, and what it makes of pending motion.
+  void add_low_rank(const PotentialBatch& batch, const Configuration& configuration, std::span<const Vec3> x,
+                    const AssemblyOptions& options, std::span<double> gradient);
   void add_rigid_curvature(const AssemblyOptions& options, BlockMatrix& hessian) const;
 
   const KinematicMap& map_;
@@ -105,8 +111,9 @@ class Assembler {
   std::vector<Vec3> extra_;                ///< of one element: gradient of pending motion
   AlignedVector<double> padded_gradient_;  ///< [block][4] of plain static batches
   std::vector<Vec3> site_gradient_;        ///< [N] by site
-  SitePairs site_pairs_;                   ///< of embedded sites, to be scattered at the end
-  std::vector<Mat3> body_moment_;          ///< sum of g r^T per body
+  LowRank low_rank_;
+  SitePairs site_pairs_;           ///< of embedded sites, to be scattered at the end
+  std::vector<Mat3> body_moment_;  ///< sum of g r^T per body
   std::atomic<int64_t> projected_count_{0};
 };
 

@@ -35,6 +35,21 @@ bool Formula::uses(ElementField::Source source) const {
                              [&](const ElementField& field) { return field.source == source; });
 }
 
+std::set<std::string> Formula::shared_parameters() const {
+  std::set<std::string> names;
+  if (outputs_.empty() || symbolic::totals_in(outputs_.front()).empty()) return names;
+  symbolic::Graph unused;
+  const Scalar any = unused.input(InputKind::Uniform);
+  symbolic::substitute(
+      outputs_.front(),
+      [&](InputKind kind, int index) {
+        if (kind == InputKind::Uniform) names.insert(field_at(builder_->uniform_fields(), index).name);
+        return any;
+      },
+      [&](symbolic::NodeId) { return any; });
+  return names;
+}
+
 std::vector<Scalar> Formula::repeat(PotentialBuilder& target, const PointExpressions& points,
                                     const std::string& prefix) const {
   const auto point = [&](const std::vector<symbolic::Vec3>& given, auto position, int index) {

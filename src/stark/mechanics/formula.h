@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ class Formula {
 
   /// Whether an input of this source occurs.
   bool uses(ElementField::Source source) const;
+
+  /// Of an energy of totals: the parameters that occur outside of them, so that all elements share them;
+  /// empty for other formulas.
+  std::set<std::string> shared_parameters() const;
 
   /// The outputs as expressions of `target`. Fields that occur become fields of the same name there; data and
   /// parameters get `prefix` in front of their names.

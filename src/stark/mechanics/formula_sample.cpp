@@ -14,6 +14,7 @@ PotentialBatch compiled(const Formula& formula, symbolic::Backend backend,
                         const std::vector<ParameterDeclaration>& fields) {
   std::set<std::string> names;
   for (const ParameterDeclaration& field : fields) names.insert(field.name);
+  for (const std::string& name : formula.shared_parameters()) names.erase(name);
   return PotentialBatch(
       std::make_shared<Potential>(define_potential("formula", "", formula), backend, names));
 }
@@ -36,6 +37,10 @@ FormulaSample::FormulaSample(const Formula& formula, symbolic::Backend backend, 
     if (numbers.size() != count)
       throw InvalidArgument(field.name + ": got " + std::to_string(numbers.size()) + " numbers: must be " +
                             std::to_string(count));
+    if (formula.shared_parameters().contains(field.name)) {
+      batch_.set_uniform(field.name, std::span(numbers).first(width));
+      continue;
+    }
     for (int64_t e = 0; e < batch_.size(); ++e)
       batch_.set(field.name, e, std::span(numbers).subspan(e * width, width));
   }

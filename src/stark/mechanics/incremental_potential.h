@@ -50,6 +50,7 @@ class IncrementalPotential final : public Objective {
 
   int32_t block_count() const override { return map_.layout().block_count; }
   void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) override;
+  const LowRank& low_rank() const override { return assembler_.low_rank(); }
   void evaluate_gradient(std::span<double> out_gradient) override;
   bool has_pending_motion() const override { return progress_ < 1.0; }
   Residual residual(std::span<const double> gradient) const override;

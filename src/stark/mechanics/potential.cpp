@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include <stark/base/error.h>
-#include <stark/base/hash.h>
-#include <stark/symbolic/canonical.h>
+#include <stark/mechanics/canonical_kernel.h>
+#include <stark/mechanics/total_energy.h>
 #include <stark/symbolic/diff.h>
 #include <stark/symbolic/substitute.h>
 
@@ -198,42 +198,6 @@ std::vector<Scalar> PotentialBuilder::updates() const {
 
 namespace {
 
-/// Hash of the name and component of input `index`: the same wherever the field is declared.
-template <typename Field>
-uint64_t label_of(const std::vector<Field>& fields, int index) {
-  const auto next = std::ranges::upper_bound(fields, index, {}, &Field::offset);
-  STARK_CHECK(next != fields.begin());
-  const Field& field = *std::prev(next);
-  Hash64 hash;
-  hash.append_bytes(field.name.data(), field.name.size());
-  hash.append(index - field.offset);
-  return hash.value();
-}
-
-symbolic::InputLabel labels_of(const PotentialBuilder& builder) {
-  return [&builder](InputKind kind, int index) -> uint64_t {
-    if (kind == InputKind::Unknown) return static_cast<uint64_t>(index);
-    return kind == InputKind::Element ? label_of(builder.element_fields(), index)
-                                      : label_of(builder.uniform_fields(), index);
-  };
-}
-
-/// Inputs that do not occur count too: they are part of the layout.
-void add_inputs(const PotentialBuilder& builder, symbolic::Graph& graph) {
-  for (const InputKind kind : {InputKind::Unknown, InputKind::Element, InputKind::Uniform})
-    if (const int count = builder.graph()->input_count(kind); count > 0) graph.input_node(kind, count - 1);
-}
-
-/// Kernel of an energy whose bits do not depend on the order in which the formula was written down.
-symbolic::Kernel compile_canonical(const PotentialBuilder& builder, const Scalar& energy,
-                                   symbolic::Backend backend) {
-  symbolic::Graph graph;
-  const Scalar copy = symbolic::canonical_copy(graph, energy, labels_of(builder));
-  add_inputs(builder, graph);
-  // A constant energy, as that of a joint that holds nothing, has forces too: zero on all points.
-  return symbolic::compile(copy.is_literal() ? Scalar(&graph, graph.constant(copy.value())) : copy, backend);
-}
-
 /// Updates of the internal variables, with bits that do not depend on the order of writing either.
 symbolic::Function compile_update(const PotentialBuilder& builder, symbolic::Backend backend) {
   symbolic::Graph graph;
@@ -250,7 +214,7 @@ symbolic::Function compile_update(const PotentialBuilder& builder, symbolic::Bac
                         return Scalar(&graph, graph.input_node(kind, index));
                       }).at(0));
   }
-  add_inputs(builder, graph);
+  add_inputs(input_counts(builder), graph);
   return outputs.empty() ? symbolic::Function() : symbolic::compile_function(outputs, backend);
 }
 
@@ -267,6 +231,12 @@ bool has_rates_of_internal(const PotentialBuilder& builder) {
       if (needed[id] && node.op == symbolic::Op::Uniform && node.operands[0] == field.offset) return true;
     }
   return false;
+}
+
+std::shared_ptr<const TotalEnergy> totals_of(const PotentialBuilder& builder, const Scalar& energy,
+                                             symbolic::Backend backend) {
+  if (symbolic::totals_in(energy).empty()) return nullptr;
+  return std::make_shared<TotalEnergy>(builder, energy, backend);
 }
 
 }  // namespace
@@ -290,7 +260,9 @@ Potential::Potential(std::string name, const PotentialBuilder& builder, const Sc
       uniform_width_(total_width(builder.uniform_fields())),
       element_fields_(builder.element_fields()),
       uniform_fields_(builder.uniform_fields()),
-      kernel_(compile_canonical(builder, energy, backend)),
+      totals_(totals_of(builder, energy, backend)),
+      kernel_(totals_ ? totals_->plane()
+                      : compile_canonical(energy, labels_of(builder), input_counts(builder), backend)),
       update_(compile_update(builder, backend)) {
   internal_width_ = update_ ? update_.output_count() : 0;
   flows_at_a_rate_ = has_rates_of_internal(builder);

@@ -60,6 +60,7 @@ struct UniformField {
 };
 
 class PotentialBuilder;
+class TotalEnergy;
 
 /// Random feasible inputs of a potential, for the automatic tests of every registered one. Empty members are
 /// filled with defaults: a well-shaped simplex of about 1 m, strained by up to 20 %, parameters in
@@ -176,7 +177,10 @@ class Potential {
   int uniform_width() const { return uniform_width_; }
   const std::vector<ElementField>& element_fields() const { return element_fields_; }
   const std::vector<UniformField>& uniform_fields() const { return uniform_fields_; }
+  /// Energy of an element; of an energy of totals the plane that touches it (mechanics/total_energy.h).
   const symbolic::Kernel& kernel() const { return kernel_; }
+  /// nullptr where the energy has no totals, but is a sum over elements.
+  const TotalEnergy* totals() const { return totals_.get(); }
   /// Numbers of the internal variables of an element, in the order of element_fields().
   int internal_width() const { return internal_width_; }
   /// Their values after an accepted step; empty without internal variables.
@@ -193,6 +197,7 @@ class Potential {
   int element_width_ = 0, uniform_width_ = 0, internal_width_ = 0;
   std::vector<ElementField> element_fields_;
   std::vector<UniformField> uniform_fields_;
+  std::shared_ptr<const TotalEnergy> totals_;
   symbolic::Kernel kernel_;
   symbolic::Function update_;
 };

@@ -10,7 +10,7 @@ using symbolic::kLanes;
 
 PotentialBatch::PotentialBatch(std::shared_ptr<const Potential> potential)
     : potential_(std::move(potential)) {
-  uniforms_.assign(std::max(1, potential_->uniform_width()), 0.0);
+  uniforms_.assign(std::max(1, potential_->kernel().uniform_count()), 0.0);
   for (const UniformField& field : potential_->uniform_fields()) {
     if (field.name == "time_step") time_step_offset_ = field.offset;
     if (field.name == "time") time_offset_ = field.offset;
@@ -216,7 +216,17 @@ std::vector<double> by_element(std::span<const double> lanes, int64_t size, int 
 
 }  // namespace
 
+PotentialBatch PotentialBatch::touching(std::span<const Vec3> x) const {
+  PotentialBatch copy = *this;
+  copy.touch(x);
+  return copy;
+}
+
 std::vector<double> PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x) const {
+  return potential_->totals() ? touching(x).evaluate_all(order, x) : evaluate_all(order, x);
+}
+
+std::vector<double> PotentialBatch::evaluate_all(symbolic::Order order, std::span<const Vec3> x) const {
   const int outputs = potential_->kernel().output_count(order);
   AlignedVector<double> lanes(static_cast<size_t>(block_count()) * outputs * kLanes);
   evaluate(order, x, 0, block_count(), lanes.data());

@@ -10,10 +10,19 @@
 #include <vector>
 
 #include <stark/base/aligned.h>
+#include <stark/mechanics/energy_difference.h>
 #include <stark/mechanics/potential.h>
 #include <stark/symbolic/evaluate.h>
 
 namespace stark {
+
+/// An energy of totals where it was touched last. [theory eq. 15h]
+struct TouchingPlane {
+  std::vector<double> totals{};     ///< [m]
+  std::vector<double> slopes{};     ///< [m] of the energy
+  std::vector<double> curvature{};  ///< [m][m]
+  double energy = 0.0;              ///< [J]
+};
 
 class PotentialBatch {
  public:
@@ -72,6 +81,18 @@ class PotentialBatch {
   /// What they become in a step that ends at x; x by site [m].
   std::vector<double> updated_internal(std::span<const Vec3> x) const;
 
+  /// Of an energy of totals: x becomes where the plane touches it that evaluate() of some blocks gives. To be
+  /// done before, and anew for other positions or parameters; nothing to do for other energies.
+  void touch(std::span<const Vec3> x);
+  PotentialBatch touching(std::span<const Vec3> x) const;  ///< a copy that does
+  /// What was found there; empty without totals.
+  const TouchingPlane& plane() const { return plane_; }
+  /// Energy at x beyond that of the plane's last place, and what its rounding is in proportion to [J]; of an
+  /// energy of totals.
+  EnergyDifference change_of_totals(std::span<const Vec3> x) const;
+  /// Derivative of total k with respect to the position of every site, added to `out`.
+  void add_total_gradient(int k, std::span<const Vec3> x, std::span<Vec3> out) const;
+
   /// Evaluates blocks [first, last) at site positions x. out: [last-first][output_count][kLanes]. Padding
   /// lanes of the last block repeat the last element.
   void evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
@@ -85,7 +106,8 @@ class PotentialBatch {
   };
   ActiveBlocks evaluate_active(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
                                double* out) const;
-  /// Outputs of an order for all elements, [element][output].
+  /// Outputs of an order for all elements, [element][output]; of an energy of totals those of the plane that
+  /// touches it at x.
   std::vector<double> evaluate(symbolic::Order order, std::span<const Vec3> x) const;
   std::vector<double> energies(std::span<const Vec3> x) const { return evaluate(symbolic::Order::Energy, x); }
   /// Outputs of a function of the same inputs for all elements, [element][output].
@@ -95,6 +117,11 @@ class PotentialBatch {
                       double* out) const;
 
  private:
+  std::vector<double> evaluate_all(symbolic::Order order, std::span<const Vec3> x) const;
+  /// Totals at x, [m].
+  std::vector<double> totals_at(std::span<const Vec3> x) const;
+  /// Outputs of a measure for all blocks, lane by lane.
+  AlignedVector<double> evaluate_measure(int k, symbolic::Order order, std::span<const Vec3> x) const;
   /// Positions of the points of blocks [first, last), lane by lane; padding repeats the last element.
   void gather(std::span<const Vec3> x, int64_t first, int64_t last, double* lanes) const;
   void fill(ElementField::Source source, std::span<const Vec3> values);
@@ -110,6 +137,7 @@ class PotentialBatch {
   AlignedVector<double> elements_;
   AlignedVector<double> uniforms_;
   std::vector<char> resting_;  ///< by block of lanes; empty: none rests
+  TouchingPlane plane_;
   int time_step_offset_ = -1, time_offset_ = -1;
 };
 

@@ -13,7 +13,7 @@ using symbolic::Order;
 
 QuadratureBatch::QuadratureBatch(std::shared_ptr<const Potential> law, int node_count, int points_per_element)
     : node_count_(node_count), points_(points_per_element), law_(std::move(law)) {
-  STARK_CHECK(law_.point_count() == 3);
+  STARK_CHECK(law_.point_count() == 3 && !law_.potential().totals());
 }
 
 QuadratureBatch::QuadratureBatch(std::shared_ptr<const Potential> law, int node_count, int points_per_element,
@@ -22,7 +22,7 @@ QuadratureBatch::QuadratureBatch(std::shared_ptr<const Potential> law, int node_
       points_(points_per_element),
       law_(std::move(law)),
       dilatation_(std::move(dilatation)) {
-  STARK_CHECK(law_.point_count() == 4);
+  STARK_CHECK(law_.point_count() == 4 && !law_.potential().totals());
 }
 
 void QuadratureBatch::resize(std::span<const int32_t> stencils) {

@@ -12,10 +12,8 @@ const double* lane_of(const AlignedVector<double>& out, int outputs, int64_t ele
   return out.data() + (element / kLanes) * outputs * kLanes + element % kLanes;
 }
 
-}  // namespace
-
-void add_site_gradient(const PotentialBatch& batch, std::span<const Vec3> x, double factor,
-                       std::span<Vec3> gradient) {
+void add_elements(const PotentialBatch& batch, std::span<const Vec3> x, double factor,
+                  std::span<Vec3> gradient) {
   const int outputs = batch.potential().kernel().output_count(Order::Gradient);
   AlignedVector<double> out(batch.block_count() * outputs * kLanes);
   batch.evaluate(Order::Gradient, x, 0, batch.block_count(), out.data());
@@ -26,6 +24,14 @@ void add_site_gradient(const PotentialBatch& batch, std::span<const Vec3> x, dou
       g += 3 * kLanes;
     }
   }
+}
+
+}  // namespace
+
+void add_site_gradient(const PotentialBatch& batch, std::span<const Vec3> x, double factor,
+                       std::span<Vec3> gradient) {
+  if (batch.potential().totals()) return add_elements(batch.touching(x), x, factor, gradient);
+  add_elements(batch, x, factor, gradient);
 }
 
 void add_site_gradient(const QuadratureBatch& batch, std::span<const Vec3> x, double factor,
@@ -47,6 +53,7 @@ void add_site_gradient(const QuadratureBatch& batch, std::span<const Vec3> x, do
 }
 
 double total_energy(const PotentialBatch& batch, std::span<const Vec3> x) {
+  if (batch.potential().totals()) return batch.touching(x).plane().energy;
   AlignedVector<double> out(batch.block_count() * kLanes);
   batch.evaluate(Order::Energy, x, 0, batch.block_count(), out.data());
   double total = 0.0;

@@ -41,6 +41,13 @@ std::vector<int32_t> Model::Builder::add_point_sites(const PointSet& points) {
     for (const Vec3& p : points.local) add_local(SiteKind::World, 0, p, p);
     return result;
   }
+  if (points.kind == PointKind::Joined) {
+    for (const PointSet& part : points.parts) {
+      const std::vector<int32_t> of_part = add_point_sites(part);
+      result.insert(result.end(), of_part.begin(), of_part.end());
+    }
+    return result;
+  }
   const ModelBody& body = model.bodies_[points.body.index];
   const int32_t moving = body.rigid_index + std::max(points.node, 0);
   switch (points.kind) {
@@ -77,6 +84,7 @@ std::vector<int32_t> Model::Builder::add_point_sites(const PointSet& points) {
       }
       break;
     case PointKind::WorldPoints:
+    case PointKind::Joined:
       break;
   }
   return result;

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include <stark/mechanics/total_energy.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {
@@ -115,6 +116,7 @@ void Model::Builder::list_batch(const std::string& name, const PotentialBatch& b
                                 std::span<const int32_t> stencils) {
   Hash64 formula, points, values;
   formula.append(batch.potential().kernel().fingerprint());
+  if (const TotalEnergy* totals = batch.potential().totals()) formula.append(totals->fingerprint());
   append_places(points, stencils);
   append_all(values, batch.element_values());
   append_all(values, batch.uniform_values());

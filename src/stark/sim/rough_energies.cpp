@@ -155,6 +155,7 @@ std::vector<int64_t> least_explained(const std::vector<int64_t>& acting, const s
 void add_rough(const FailedStep& step, const Unbalanced& loads, const ModelBatch& energy,
                std::span<const Vec3> d, std::optional<RoughEnergy>& found) {
   const PotentialBatch& batch = energy.batch;
+  if (batch.potential().totals()) return;  // elements have no energy of their own
   std::vector<int64_t> acting;
   for (int64_t e = 0; e < batch.size(); ++e)
     if (block_of_element(step, loads, batch, e) != kNoBlock) acting.push_back(e);

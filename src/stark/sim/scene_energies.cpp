@@ -28,6 +28,9 @@ void Scene::check_points(const std::string& owner, const PointSet& points) const
     for (const Vec3& p : points.local) check_finite(owner, "point", p, "m");
   };
   if (points.kind == PointKind::WorldPoints) return check_finite_points();
+  if (points.kind == PointKind::Joined)
+    throw InvalidArgument(owner +
+                          ": points of several bodies: must be of one body; add one for each of them");
   const std::string where = owner + ": points of '" + name(points.body) + "'";
   const bool is_rigid = stark::is_rigid(kind(points.body));
   const auto check_vertex = [&,
@@ -69,6 +72,7 @@ void Scene::check_points(const std::string& owner, const PointSet& points) const
       }
       break;
     case PointKind::WorldPoints:
+    case PointKind::Joined:
       break;
   }
 }
@@ -87,7 +91,8 @@ EnergyId Scene::add_energy(EnergyDescription energy) {
                           count_text(energy.potential.point_count, "point") + ": must be one for each point");
   const int64_t count = energy.element_count();
   for (const PointSet& set : energy.points) {
-    check_points(owner, set);
+    if (set.kind != PointKind::Joined) check_points(owner, set);
+    for (const PointSet& part : set.parts) check_points(owner, part);
     if (set.size() != 1 && set.size() != count)
       throw InvalidArgument(owner + ": sets of " + std::to_string(count) + " and of " +
                             std::to_string(set.size()) +

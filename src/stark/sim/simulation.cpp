@@ -109,11 +109,9 @@ Simulation::Simulation(const Scene& scene, const Settings& settings, const std::
 
 void Simulation::make_solver() {
   assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
-  std::vector<const PotentialBatch*> batches;
-  for (const PotentialBatch* batch : energies_.all_batches()) batches.push_back(batch);
   std::vector<const QuadratureBatch*> quadrature;
   for (const ModelQuadrature& elements : energies_.quadrature) quadrature.push_back(&elements.batch);
-  assembler_->set_static_batches(std::move(batches), quadrature);
+  assembler_->set_static_batches(energies_.all_batches(), quadrature);
   potential_ = std::make_unique<IncrementalPotential>(
       model_->map(), *assembler_, contact_.get(), &energies_.constraints, model_->block_scales(), *timer_);
   potential_->set_active_set_updates(settings_.contact.friction_updates);

@@ -129,6 +129,9 @@ class Simulation {
   std::vector<double> element_energies(EnergyId energy) const;
   /// Forces [N] on the points of its elements in the last step, [element][point].
   std::vector<Vec3> element_forces(EnergyId energy) const;
+  /// Of an energy of totals: these at the end of the last step, and its derivatives by them; empty for
+  /// others.
+  TouchingPlane energy_plane(EnergyId energy) const;
 
   /// Releases a joint, or holds it again from the next step on. A joint that is held again must be within
   /// reach: what is apart by then is pulled together at once.

@@ -135,7 +135,14 @@ void Simulation::set_energy_value(EnergyId id, const std::string& name, std::spa
 
 std::vector<double> Simulation::element_energies(EnergyId id) const {
   scene_.energy(id);
+  if (energies_.batches[model_->energy_batch(id)].batch.potential().totals())
+    return {energy_plane(id).energy};
   return energies_.batches[model_->energy_batch(id)].batch.evaluate(Order::Energy, site_positions());
+}
+
+TouchingPlane Simulation::energy_plane(EnergyId id) const {
+  scene_.energy(id);
+  return energies_.batches[model_->energy_batch(id)].batch.touching(site_positions()).plane();
 }
 
 std::vector<Vec3> Simulation::element_forces(EnergyId id) const {

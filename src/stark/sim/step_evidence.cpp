@@ -162,7 +162,7 @@ void add_steep_energy(const FailedStep& step, StepEvidence& out) {
   for (int32_t k = 0; k < static_cast<int32_t>(step.scene.energies().size()); ++k) {
     const ModelBatch& batch = step.energies.batches[step.model.energy_batch(EnergyId{k})];
     const int points = batch.batch.point_count();
-    if (batch.batch.size() == 0) continue;
+    if (batch.batch.size() == 0 || batch.batch.potential().totals()) continue;
     const std::vector<double> values = batch.batch.evaluate(symbolic::Order::Hessian, x);
     const size_t outputs = values.size() / static_cast<size_t>(batch.batch.size());
     for (int64_t e = 0; e < batch.batch.size(); ++e) {

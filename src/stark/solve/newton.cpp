@@ -29,6 +29,7 @@ constexpr double kStandstill = 0.01;  ///< motions over their tolerance that mov
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
 constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.05;  ///< relative residuals of linear solves
+constexpr double kColumnTolerance = 1e-6;         ///< relative residual of columns of low rank
 constexpr double kNoForce = 1e-140;               ///< [N] products with forces below it underflow
 constexpr int kFirstLook = 8, kLookInterval = 4;  ///< iterations at which the way is looked at
 constexpr int kLooksBlocked = 2;                  ///< looks in a row that found it blocked, and end a detour
@@ -256,6 +257,7 @@ bool NewtonSolver::find_simplified_direction(Objective& objective) {
       direction_);
   report_.linear_iterations += solved.iterations;
   if (!solved.ok || !all_finite(direction_)) return false;
+  if (!objective.low_rank().empty()) correction_.apply(direction_);
   report_.last_motion = objective.motion(direction_);
   const bool is_trusted = report_.last_motion <= progress_.simplified_limit && slope() <= 0.0;
   report_.last_motion /= 1.0 - kContraction;
@@ -302,15 +304,49 @@ NewtonSolver::Direction NewtonSolver::solve_direction(Objective& objective, bool
 }
 
 LinearSolveReport NewtonSolver::solve_linear(Objective& objective, double tolerance, bool may_be_indefinite) {
-  const LinearSolveReport solved = linear_solver_.solve({.A = hessian_,
-                                                         .b = right_hand_side_,
-                                                         .tolerance = tolerance,
-                                                         .positions = objective.block_positions(),
-                                                         .may_be_indefinite = may_be_indefinite},
-                                                        direction_);
+  const LinearSystem system{.A = hessian_,
+                            .b = right_hand_side_,
+                            .tolerance = tolerance,
+                            .positions = objective.block_positions(),
+                            .may_be_indefinite = may_be_indefinite};
+  const LowRank& beside = objective.low_rank();
+  const LinearSolveReport solved =
+      beside.empty() ? linear_solver_.solve(system, direction_) : solve_with_low_rank(beside, system);
   report_.linear_iterations += solved.iterations;
   report_.factorizations += solved.factorizations;
   return solved;
+}
+
+// The columns first and well. What the right-hand side has along them is then known to their precision, and
+// the tolerance holds for the rest: of a liquid the pressure would hide all other forces.
+LinearSolveReport NewtonSolver::solve_with_low_rank(const LowRank& terms, const LinearSystem& system) {
+  LinearSolveReport all;
+  bool is_first = true;
+  const auto solve = [&](std::span<const double> b, double tolerance, std::span<double> x) {
+    LinearSystem one{.A = system.A,
+                     .b = b,
+                     .tolerance = tolerance,
+                     .positions = system.positions,
+                     .may_be_indefinite = system.may_be_indefinite};
+    LinearSolveReport found;
+    if (!is_first) found = linear_solver_.solve_again(one, x);
+    if (!found.ok) found = linear_solver_.solve(one, x);  // some solvers keep nothing
+    is_first = false;
+    found.iterations += all.iterations;
+    found.factorizations += all.factorizations;
+    all = found;
+    return found.ok;
+  };
+  std::vector<double> rest(system.b.begin(), system.b.end()), along;
+  all.ok = correction_.begin(terms, [&](std::span<const double> b, std::span<double> x) {
+    return solve(b, std::min(system.tolerance, kColumnTolerance), x);
+  });
+  if (!all.ok) return all;
+  along = correction_.take_out(rest);
+  if (!solve(rest, system.tolerance, direction_)) return all;
+  correction_.put_back(along, direction_);
+  correction_.apply(direction_);
+  return all;
 }
 
 // A gradient of zero has the direction zero.

@@ -10,6 +10,7 @@
 
 #include <stark/base/timer.h>
 #include <stark/linalg/linear_solver.h>
+#include <stark/solve/low_rank.h>
 #include <stark/solve/newton_settings.h>
 #include <stark/solve/objective.h>
 #include <stark/solve/report.h>
@@ -80,6 +81,8 @@ class NewtonSolver {
   enum class Direction : uint8_t { Found, Failed, NotFinite, Interrupted };
   Direction solve_direction(Objective& objective, bool project);
   LinearSolveReport solve_linear(Objective& objective, double tolerance, bool may_be_indefinite);
+  /// The same of a Hessian with terms of low rank beside its blocks.
+  LinearSolveReport solve_with_low_rank(const LowRank& terms, const LinearSystem& system);
   bool solve_shifted(Objective& objective, double tolerance);
   bool is_descent() const;
   double slope() const;
@@ -134,6 +137,7 @@ class NewtonSolver {
   Progress progress_;       ///< of it
   std::vector<double> gradient_, direction_, right_hand_side_;
   BlockMatrix hessian_;
+  LowRankCorrection correction_;  ///< of solutions with it
 };
 
 }  // namespace stark

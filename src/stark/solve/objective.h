@@ -8,6 +8,7 @@
 
 #include <stark/base/math.h>
 #include <stark/linalg/block_matrix.h>
+#include <stark/solve/low_rank.h>
 
 namespace stark {
 
@@ -34,6 +35,11 @@ class Objective {
 
   /// Gradient and Hessian at the iterate. `project`: element Hessians made positive semidefinite.
   virtual void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) = 0;
+  /// What the Hessian of the last linearize() has beside its blocks.
+  virtual const LowRank& low_rank() const {
+    static const LowRank none;
+    return none;
+  }
   /// Gradient alone, at a small part of the cost. Trial energies are relative to the iterate from then on, as
   /// after linearize().
   virtual void evaluate_gradient(std::span<double> out_gradient) = 0;

@@ -39,6 +39,8 @@ double evaluate_node(const Node& n, const double* x, const InputValues& in) {
       return -x[0];
     case Op::Held:
       return x[0];
+    case Op::Total:
+      refuse_total();
     case Op::Abs:
       return std::fabs(x[0]);
     case Op::Sqrt:
@@ -194,6 +196,8 @@ std::string name_of(Op op) {
       return "neg";
     case Op::Held:
       return "held";
+    case Op::Total:
+      return "total";
     case Op::Abs:
       return "abs";
     case Op::Sqrt:

@@ -48,13 +48,14 @@ enum class Op : uint8_t {
   LessEqual,
   And,
   Or,
-  Not,  // conditions
-  Held  // one operand: its value, which derivatives take for a constant
+  Not,   // conditions
+  Held,  // one operand: its value, which derivatives take for a constant
+  Total  // one operand: its sum over all elements of an energy (mechanics/total_energy.h)
 };
 
 constexpr int operand_count(Op op) {
   if (op <= Op::Uniform) return 0;
-  if (op <= Op::Tanh || op == Op::Not || op == Op::Held) return 1;
+  if (op <= Op::Tanh || op == Op::Not || op >= Op::Held) return 1;
   return op == Op::Fma || op == Op::Select ? 3 : 2;
 }
 constexpr bool is_condition(Op op) { return op >= Op::Less && op <= Op::Not; }
@@ -66,6 +67,9 @@ struct Node {
 };
 
 class Scalar;
+
+/// Throws InvalidArgument: a sum over elements means nothing where there are none.
+[[noreturn]] void refuse_total();
 
 /// Arena of nodes. Operands always precede their users, so the order of ids is a topological order. Not safe
 /// for concurrent building. Scalars refer to their graph: it must outlive them (compiled kernels do not need
@@ -195,6 +199,8 @@ Scalar tanh(const Scalar& a);
 /// The value of a, which derivatives take for a constant. For iterations whose result the energy is
 /// stationary in: their steps need no derivatives (models/yielding.h).
 Scalar held(const Scalar& a);
+/// The sum of a over all elements of an energy. Kernels know nothing of it: a Potential takes it apart.
+Scalar total(const Scalar& a);
 /// a b + c with one rounding.
 Scalar fma(const Scalar& a, const Scalar& b, const Scalar& c);
 

@@ -179,6 +179,8 @@ class Lowering {
         return p.negate(x[0]);
       case Op::Held:
         return x[0];
+      case Op::Total:
+        refuse_total();
       case Op::Abs:
         return p.emit(Code::And, x[0], p.bits(0x7fffffffffffffffull));
       case Op::Sqrt:

@@ -27,6 +27,7 @@ inline constexpr NamedUnary kUnaryFunctions[] = {
     {"cosh", cosh, "Hyperbolic cosine."},
     {"tanh", tanh, "Hyperbolic tangent."},
     {"held", held, "The value of x, which derivatives take for a constant."},
+    {"total", total, "The sum of x over all elements of an energy."},
 };
 
 struct BinaryOperator {

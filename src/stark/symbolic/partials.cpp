@@ -39,6 +39,8 @@ void unary_partials(Graph& g, NodeId id, const Node& n, bool second, Raw& r) {
       break;
     case Op::Held:
       break;
+    case Op::Total:
+      refuse_total();
     case Op::Abs:
       d = g.select(g.binary(Op::Less, x, g.constant(0.0)), g.constant(-1.0), one);
       break;

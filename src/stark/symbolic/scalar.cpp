@@ -167,6 +167,20 @@ Scalar cosh(const Scalar& a) {
 }
 Scalar tanh(const Scalar& a) { return apply(Op::Tanh, a, "tanh"); }
 Scalar held(const Scalar& a) { return apply(Op::Held, a, "held"); }
+void refuse_total() {
+  throw InvalidArgument(
+      "total(...) is a sum over all elements of an energy: it has a meaning in formulas of stark.energy "
+      "alone, "
+      "and no derivatives within them; leave it out here");
+}
+Scalar total(const Scalar& a) {
+  require_number(a, "total");
+  if (a.is_literal())
+    throw InvalidArgument("total(" + std::to_string(a.value()) +
+                          "): is of a number: must be of what differs from element to element, such as "
+                          "t.area");
+  return {a.graph(), a.graph()->unary(Op::Total, a.id())};
+}
 
 Scalar fma(const Scalar& a, const Scalar& b, const Scalar& c) {
   require_number(a, "fma");

@@ -15,6 +15,8 @@ Scalar rebuild(const Node& node, const Scalar* x) {
       return -x[0];
     case Op::Held:
       return held(x[0]);
+    case Op::Total:
+      return total(x[0]);
     case Op::Abs:
       return abs(x[0]);
     case Op::Sqrt:
@@ -84,7 +86,7 @@ InputKind kind_of(Op op) {
 /// Copies nodes, operands before users, and the marked cuts among them. Nodes that were not copied stay
 /// empty.
 std::vector<Scalar> copy_nodes(const Graph& source, std::span<const NodeId> order,
-                               const InputSubstitution& input) {
+                               const InputSubstitution& input, const TotalSubstitution& total = {}) {
   std::vector<Scalar> image(source.size());
   std::vector<char> copied(source.size(), 0);
   for (const NodeId id : order) {
@@ -94,6 +96,8 @@ std::vector<Scalar> copy_nodes(const Graph& source, std::span<const NodeId> orde
       image[id] = node.value;
     } else if (operand_count(node.op) == 0) {
       image[id] = input(kind_of(node.op), node.operands[0]);
+    } else if (node.op == Op::Total && total) {
+      image[id] = total(node.operands[0]);
     } else {
       Scalar x[3];
       for (int k = 0; k < operand_count(node.op); ++k) x[k] = image[node.operands[k]];
@@ -107,6 +111,21 @@ std::vector<Scalar> copy_nodes(const Graph& source, std::span<const NodeId> orde
   std::ranges::sort(stages, {}, [](const Scalar& stage) { return stage.id(); });
   for (const Scalar& stage : stages) stage.graph()->mark_stage(stage);
   return image;
+}
+
+/// Nodes of an expression but for what is summed, operands before users.
+std::vector<NodeId> order_above_totals(const Graph& graph, NodeId root) {
+  std::vector<char> needed(static_cast<size_t>(root) + 1, 0);
+  needed[root] = 1;
+  std::vector<NodeId> order;
+  for (NodeId id = root; id >= 0; --id) {
+    if (!needed[id]) continue;
+    order.push_back(id);
+    const Node& node = graph.node(id);
+    for (int k = 0; node.op != Op::Total && k < operand_count(node.op); ++k) needed[node.operands[k]] = 1;
+  }
+  std::ranges::reverse(order);
+  return order;
 }
 
 }  // namespace
@@ -129,6 +148,21 @@ std::vector<Scalar> substitute(std::span<const Scalar> outputs, const InputSubst
   std::vector<Scalar> result;
   for (const Scalar& output : outputs) result.push_back(output.is_literal() ? output : image[output.id()]);
   return result;
+}
+
+Scalar substitute(const Scalar& output, const InputSubstitution& input, const TotalSubstitution& total) {
+  if (output.is_literal()) return output;
+  const Graph& graph = *output.graph();
+  return copy_nodes(graph, order_above_totals(graph, output.id()), input, total)[output.id()];
+}
+
+std::vector<Scalar> totals_in(const Scalar& output) {
+  std::vector<Scalar> found;
+  if (output.is_literal()) return found;
+  for (const NodeId id : order_above_totals(*output.graph(), output.id()))
+    if (const Node& node = output.graph()->node(id); node.op == Op::Total)
+      found.emplace_back(output.graph(), node.operands[0]);
+  return found;
 }
 
 Scalar substitute(const Scalar& output, std::span<const NodeId> order, const InputSubstitution& input) {

@@ -19,6 +19,16 @@ using InputSubstitution = std::function<Scalar(InputKind kind, int index)>;
 /// the copies.
 std::vector<Scalar> substitute(std::span<const Scalar> outputs, const InputSubstitution& input);
 
+/// What stands for total(operand) in the copies.
+using TotalSubstitution = std::function<Scalar(NodeId operand)>;
+
+/// The same with something else for totals, whose operands are not copied.
+Scalar substitute(const Scalar& output, const InputSubstitution& input, const TotalSubstitution& total);
+
+/// The operands of all totals that an expression has, each once, in the order of their numbers; those within
+/// others are not looked for.
+std::vector<Scalar> totals_in(const Scalar& output);
+
 /// The same of one expression whose nodes are copied in a given order, operands before users.
 Scalar substitute(const Scalar& output, std::span<const NodeId> order, const InputSubstitution& input);
 
