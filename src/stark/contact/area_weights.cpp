@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 namespace stark {
 
@@ -61,6 +62,88 @@ std::vector<std::pair<Index2, double>> border_of(const Patch& patch, const Surfa
   return border;
 }
 
+std::set<int32_t> vertices_of(const std::vector<std::pair<Index2, double>>& border) {
+  std::set<int32_t> vertices;
+  for (const auto& [edge, length] : border) vertices.insert(edge.begin(), edge.end());
+  return vertices;
+}
+
+/// Part of a triangle's area that is nearest to its corner k: its Voronoi cell, half of an obtuse triangle
+/// [Meyer et al. 2003]. Halves of squares give the same to all corners of the square.
+double corner_area(const Index3& t, int k, std::span<const Vec3> x) {
+  const auto cosine = [&](int i) {  // times the lengths of both sides
+    return dot(x[t[(i + 1) % 3]] - x[t[i]], x[t[(i + 2) % 3]] - x[t[i]]);
+  };
+  const double twice = 2.0 * norm(area_vector(t, x));
+  for (int i = 0; i < 3; ++i)
+    if (cosine(i) <= 0.0) return twice * (i == k ? 0.25 : 0.125);
+  const int i = (k + 1) % 3, j = (k + 2) % 3;
+  return (squared_norm(x[t[i]] - x[t[k]]) * cosine(j) + squared_norm(x[t[j]] - x[t[k]]) * cosine(i)) /
+         (8.0 * twice);
+}
+
+/// Area of each vertex of a patch of several triangles with vertices inside that may touch. Empty if there are
+/// none.
+std::map<int32_t, double> areas_inside(const Patch& patch, const SurfaceMesh& mesh,
+                                       std::span<const Vec3> rest,
+                                       const std::vector<std::pair<Index2, double>>& border,
+                                       const std::vector<bool>& is_left_out) {
+  if (patch.triangles.size() == 1) return {};
+  const std::set<int32_t> on_border = vertices_of(border);
+  std::map<int32_t, double> areas;
+  bool has_inside = false;
+  for (const int32_t t : patch.triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int32_t v = mesh.triangles[t][k];
+      areas[v] += corner_area(mesh.triangles[t], k, rest);
+      has_inside = has_inside || (!on_border.contains(v) && !is_left_out[v]);
+    }
+  return has_inside ? areas : std::map<int32_t, double>{};
+}
+
+/// Points along each edge of a triangle over which distances are averaged.
+constexpr int kFineParts = 8;
+
+/// Mean distance of the points of a patch from a centre [m].
+double mean_distance(const Patch& patch, const SurfaceMesh& mesh, std::span<const Vec3> rest,
+                     const Vec3& centre) {
+  double mean = 0.0;
+  for (const int32_t t : patch.triangles) {
+    const auto& [i, j, k] = mesh.triangles[t];
+    const Vec3 u = (rest[j] - rest[i]) / kFineParts, v = (rest[k] - rest[i]) / kFineParts;
+    double sum = 0.0;
+    for (int a = 0; a < kFineParts; ++a)
+      for (int b = 0; b < kFineParts - a; ++b) {
+        const Vec3 corner = rest[i] + u * a + v * b - centre;
+        sum += norm(corner + (u + v) / 3.0);
+        if (a + b < kFineParts - 1) sum += norm(corner + (u + v) * (2.0 / 3.0));
+      }
+    mean += norm(area_vector(mesh.triangles[t], rest)) / patch.area * sum / (kFineParts * kFineParts);
+  }
+  return mean;
+}
+
+/// Part of the area of a face that the vertices of its border, with these areas, keep from the samples beside
+/// them, so that sliding about an axis across it takes the torque of an even pressure.
+double vertex_part(const Patch& patch, const SurfaceMesh& mesh, std::span<const Vec3> rest,
+                   const std::map<int32_t, double>& areas, const std::map<int32_t, int32_t>& samples) {
+  constexpr double kLeast = 0.05, kMost = 0.95;
+  Vec3 centre;
+  for (const int32_t t : patch.triangles) {
+    const auto& [i, j, k] = mesh.triangles[t];
+    centre +=
+        (rest[i] + rest[j] + rest[k]) * (norm(area_vector(mesh.triangles[t], rest)) / (3.0 * patch.area));
+  }
+  double of_samples = 0.0, of_vertices = 0.0;  // mean distances from the centre [m]
+  for (const auto& [v, area] : areas) {
+    of_vertices += area / patch.area * norm(rest[v] - centre);
+    of_samples += area / patch.area * norm(rest[samples.at(v)] - centre);
+  }
+  const double between = of_vertices - of_samples;
+  if (!(between > 0.0)) return kMost;
+  return std::clamp((mean_distance(patch, mesh, rest, centre) - of_samples) / between, kLeast, kMost);
+}
+
 }  // namespace
 
 AreaWeights::AreaWeights(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const int32_t> patch,
@@ -82,17 +165,39 @@ void AreaWeights::share_triangles(const SurfaceMesh& mesh, std::span<const Vec3>
   const int32_t groups = mesh.triangle_group.empty() ? 0 : *std::ranges::max_element(mesh.triangle_group) + 1;
   std::vector<double> total(groups, 0.0);
   cell_area_.assign(groups, 0.0);
+  std::vector<bool> is_left_out(mesh.vertex_count, false);
+  for (const int32_t v : mesh.inner) is_left_out[v] = true;
+  std::map<int32_t, std::map<int32_t, int32_t>> samples;  // by patch: by vertex of its border
+  for (const auto& [v, t, beside] : mesh.samples) samples[patch.empty() ? t : patch[t]][beside] = v;
   for (const Patch& p : collect_patches(mesh, rest, patch)) {
     if (p.triangles.empty()) continue;
     const auto border = border_of(p, mesh, rest);
     double length = 0.0;
     for (const auto& [edge, l] : border) length += l;
     const bool is_triangle = p.triangles.size() == 1;
+    const std::map<int32_t, double> inside = areas_inside(p, mesh, rest, border, is_left_out);
+    const auto area_of = [&](double l) {
+      return p.area * (is_triangle || !(length > 0.0) ? 1.0 / border.size() : l / length);
+    };
+    double part = 1.0;  // of the vertices, the rest is of samples
+    if (const auto of_patch = samples.find(patch.empty() ? p.largest : patch[p.largest]);
+        of_patch != samples.end()) {
+      std::map<int32_t, double> areas;
+      for (const auto& [edge, l] : border)
+        for (const int32_t v : edge) areas[v] += 0.5 * area_of(l);
+      part = vertex_part(p, mesh, rest, areas, of_patch->second);
+      for (const auto& [v, area] : areas)
+        of_vertex[of_patch->second.at(v)].push_back({p.largest, (1.0 - part) * area});
+    }
+    for (const auto& [v, area] : inside) of_vertex[v].push_back({p.largest, part * area});
+    double of_border = inside.empty() ? part : 0.0;  // what its vertices have, and its edges in their place
+    for (const int32_t v : inside.empty() ? std::set<int32_t>{} : vertices_of(border))
+      of_border += part * inside.at(v) / p.area;
     for (const auto& [edge, l] : border) {
-      const double area = p.area * (is_triangle || !(length > 0.0) ? 1.0 / border.size() : l / length);
-      for (const int32_t v : edge) of_vertex[v].push_back({p.largest, 0.5 * area});
+      for (const int32_t v : edge)
+        if (inside.empty()) of_vertex[v].push_back({p.largest, part * (0.5 * area_of(l))});
       if (const auto e = edge_of.find(edge); e != edge_of.end())
-        of_edge[e->second].push_back({p.largest, area});
+        of_edge[e->second].push_back({p.largest, of_border * area_of(l)});
     }
     // A mesh of triangles has half as many vertices as triangles, one of quadrilaterals has as many.
     const int32_t group = mesh.triangle_group[p.largest];

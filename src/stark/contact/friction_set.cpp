@@ -128,7 +128,9 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
 
 int64_t FrictionSet::find_bristles(const Contact& contact, std::span<const Vec3> x) const {
   const int64_t own = memory_.find(contact.key);
-  if (own >= 0 || contact.key.kind != PairKind::PointTriangle) return own;
+  if (own >= 0) return own;
+  if (contact.key.kind == PairKind::EdgeEdge) return find_bristles_at_corners(contact.key);
+  if (contact.key.kind != PairKind::PointTriangle) return -1;
   const auto normal = [&](const Index3& t) {
     return normalized(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
   };
@@ -139,6 +141,18 @@ int64_t FrictionSet::find_bristles(const Contact& contact, std::span<const Vec3>
     if (std::ranges::find_first_of(triangle, other) != triangle.end() &&
         dot(normal(triangle), normal(other)) > kSameSide)
       return k;
+  }
+  return -1;
+}
+
+// Where corners of two rigid bodies meet, which of their edges is named is a matter of rounding.
+int64_t FrictionSet::find_bristles_at_corners(const PairKey& key) const {
+  const std::vector<int32_t> of_second = carriers_.edges_beside(*mesh_, key.second);
+  if (of_second.empty()) return -1;
+  for (const int32_t first : carriers_.edges_beside(*mesh_, key.first)) {
+    const auto [begin, end] = memory_.of_first({PairKind::EdgeEdge, first});
+    for (int64_t k = begin; k < end; ++k)
+      if (std::ranges::count(of_second, unpack(memory_.pair[k]).second) > 0) return k;
   }
   return -1;
 }

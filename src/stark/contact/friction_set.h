@@ -146,8 +146,9 @@ class FrictionSet {
   static int64_t bodies_of(const Pair& pair);
   /// Entry of the memory whose bristles a pair goes on with, -1 if there is none: its own, or that of the
   /// same point on a triangle beside, where the point has slid across an edge or a valley has split its
-  /// contact.
+  /// contact, or that of edges beside, of rigid bodies that meet at corners.
   int64_t find_bristles(const Contact& contact, std::span<const Vec3> x) const;
+  int64_t find_bristles_at_corners(const PairKey& key) const;
   void set_axes(const FrictionCoefficient& mu, std::span<const Vec3> x, Pair& pair) const;
   /// Length of a deflection in the metric of the pair: sliding begins at the stick displacement [m].
   static double measure(const Pair& pair, const Vec3& deflection);

@@ -66,6 +66,10 @@ FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> ri
   for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e)
     edges.push_back({sorted(mesh.edges[e][0], mesh.edges[e][1]), e});
   std::ranges::sort(edges);
+  for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e)
+    for (const int32_t v : mesh.edges[e])
+      if (is_rigid(v)) edges_of_vertex_.push_back({v, e});
+  std::ranges::sort(edges_of_vertex_);
   for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t)
     for (int k = 0; k < 3; ++k) {
       const int32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
@@ -75,6 +79,15 @@ FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> ri
       Index2& both = triangles_of_edge_[edge->second];
       (both[0] < 0 ? both[0] : both[1]) = t;
     }
+}
+
+std::vector<int32_t> FrictionCarriers::edges_beside(const SurfaceMesh& mesh, int32_t edge) const {
+  std::vector<int32_t> beside;
+  for (const int32_t v : mesh.edges[edge])
+    for (auto e = std::ranges::lower_bound(edges_of_vertex_, Index2{v, 0});
+         e != edges_of_vertex_.end() && (*e)[0] == v; ++e)
+      beside.push_back((*e)[1]);
+  return beside;
 }
 
 int32_t FrictionCarriers::triangle_at_edge(const SurfaceMesh& mesh, int32_t edge, const Vec3& gap,

@@ -44,6 +44,9 @@ class FrictionCarriers {
   /// body; otherwise the closest points as they are.
   FrictionStencil stencil(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x) const;
 
+  /// Edges of a rigid body that share a vertex with one of its edges, itself included; none of others.
+  std::vector<int32_t> edges_beside(const SurfaceMesh& mesh, int32_t edge) const;
+
  private:
   struct Carrier {
     std::optional<Index3> triangle;
@@ -62,6 +65,7 @@ class FrictionCarriers {
   std::vector<bool> rigid_sites_;
   std::vector<Index2> triangles_of_edge_;    ///< -1 where there is none
   std::vector<int32_t> triangle_of_vertex_;  ///< one of them, -1 where there is none
+  std::vector<Index2> edges_of_vertex_;      ///< (vertex, edge) of rigid bodies, sorted
 };
 
 }  // namespace stark

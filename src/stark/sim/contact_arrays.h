@@ -11,8 +11,10 @@ namespace stark {
 /// Forces are on the first body of a row.
 struct ContactArrays {
   std::vector<Index2> bodies;
-  std::vector<Index4> vertices;                ///< of the meshes of their bodies, -1 where there are fewer
-  std::vector<std::array<double, 4>> weights;  ///< separation = sum_i weights_i x_i
+  /// Of the meshes of their bodies, -1 where there are fewer. A point inside a flat face of a rigid body
+  /// (FaceSample) stands as a vertex of its triangle.
+  std::vector<Index4> vertices;
+  std::vector<std::array<double, 4>> weights;  ///< separation = sum_i weights_i x_i of vertices
   std::vector<int32_t> first_counts;           ///< so many vertices belong to the first body
   std::vector<double> distances;               ///< [m]
   std::vector<Vec3> points_a, points_b;        ///< closest points [m]

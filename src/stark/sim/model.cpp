@@ -32,6 +32,7 @@ void Model::Builder::build() {
   add_energy_sites();
   add_joint_sites();
   add_attachment_sites();
+  add_face_samples();
   model.map_ = KinematicMap(std::move(layout), std::move(sites), std::move(embedded));
   for (int32_t i = 0; i < scene.body_count(); ++i)
     scene.visit(BodyId{i}, [&](const auto& body) { add_energies(BodyId{i}, body); });
@@ -149,6 +150,11 @@ Model::Model(const Scene& scene, const Settings& settings, Energies& out_energie
   initial_state_.internal_variable = internal_values(out_energies);
 }
 
+const FaceSample* Model::find_face_sample(int32_t site) const {
+  const auto found = std::ranges::lower_bound(face_samples_, site, {}, &FaceSample::site);
+  return found != face_samples_.end() && found->site == site ? &*found : nullptr;
+}
+
 std::vector<Vec3> Model::site_positions(const State& state) const {
   std::vector<Vec3> x(map_.site_count());
   map_.positions({state.point_position, state.body_position, state.body_rotation}, x);
@@ -164,8 +170,9 @@ std::vector<PotentialBatch*> Energies::all_batches() {
 
 namespace {
 
-/// What collides of a body: of rigid ones the polyhedron without what its triangulation adds.
-void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> rest, bool has_faces,
+/// What collides of a body: of rigid ones the polyhedron without what its triangulation adds. Vertices inside
+/// flat faces are kept where the body `moves`: they carry their part of the pressure.
+void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> rest, bool has_faces, bool moves,
                  ContactSurfaces& out) {
   SurfaceMesh& mesh = out.mesh;
   const FlatFaces faces =
@@ -173,7 +180,8 @@ void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> res
                           : separate_faces(body.triangles);
   const auto first_triangle = static_cast<int32_t>(mesh.triangles.size());
   for (int32_t v = 0; v < body.site_count; ++v) mesh.vertex_group[body.first_site + v] = group;
-  for (const int32_t v : faces.inner_vertices) mesh.inner.push_back(body.first_site + v);
+  if (!moves)
+    for (const int32_t v : faces.inner_vertices) mesh.inner.push_back(body.first_site + v);
   for (size_t t = 0; t < body.triangles.size(); ++t) {
     const auto& [v0, v1, v2] = body.triangles[t];
     mesh.triangles.push_back({body.first_site + v0, body.first_site + v1, body.first_site + v2});
@@ -226,17 +234,25 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
   SurfaceMesh& mesh = surfaces.mesh;
   mesh.vertex_count = map_.site_count();
   mesh.vertex_group.assign(mesh.vertex_count, 0);
+  std::vector<int32_t> first_triangle;  // by body
   for (size_t b = 0; b < bodies_.size(); ++b) {
     const BodyId id{static_cast<int32_t>(b)};
+    first_triangle.push_back(static_cast<int32_t>(mesh.triangles.size()));
     // Directions may differ from triangle to triangle, so such a face is not taken for one.
     const bool has_faces = scene.surface_directions(id).size() <= 1;
-    add_surface(bodies_[b], id.index, rest_positions_, has_faces, surfaces);
+    add_surface(bodies_[b], id.index, rest_positions_, has_faces, scene.motion(id) != Motion::Fixed,
+                surfaces);
     surfaces.group_distance.push_back(contact_distance(scene, id, settings));
     surfaces.stiffness.push_back(contact_stiffness(scene, *this, id, settings));
     surfaces.core.push_back(scene.contact_core(id));
     surfaces.is_sheet.push_back(row_of(bodies_[b].kind).is_thin);
   }
   // Each triangle a face of its own: nothing to choose from, in every search for contacts.
+  for (const FaceSample& sample : face_samples_) {
+    mesh.vertex_group[sample.site] = sample.body;
+    mesh.samples.push_back({sample.site, first_triangle[sample.body] + sample.triangle,
+                            bodies_[sample.body].first_site + sample.beside});
+  }
   const auto triangles = std::views::iota(int32_t{0}, static_cast<int32_t>(surfaces.face.size()));
   if (std::ranges::equal(surfaces.face, triangles)) surfaces.face.clear();
   const int32_t groups = static_cast<int32_t>(bodies_.size());

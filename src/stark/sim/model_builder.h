@@ -109,6 +109,9 @@ struct Model::Builder {
   /// Numbers that place a frame on a patch with vertices at p (mechanics/joint.h, kPatchNumbers).
   static std::vector<double> patch_numbers(const FrameDescription& frame, const std::array<Vec3, 3>& p);
 
+  /// Points inside the large flat faces of rigid bodies that move (model_rigids.cpp).
+  void add_face_samples();
+
   // Actuators (model_actuators.cpp)
   /// Appends the groups and the sides of all actuators, numbered on from the joints.
   void add_actuators(std::vector<ConstraintGroup>& groups);

@@ -41,9 +41,11 @@ std::vector<Vec3> Simulation::vertex_contact_forces(BodyId body) const {
     const Contact& contact = entry.contact;
     for (int p = 0; p < contact.point_count; ++p) {
       const int32_t group = p < contact.side_a_count ? contact.group_a : contact.group_b;
-      if (group == body.index)  // weights of side B are negative, as its forces are
-        forces[contact.sites[p] - of.first_site] +=
-            (entry.normal_force + entry.friction) * contact.weights[p];
+      if (group != body.index) continue;
+      // Weights of side B are negative, as its forces are.
+      const Vec3 force = (entry.normal_force + entry.friction) * contact.weights[p];
+      const FaceSample* sample = model().find_face_sample(contact.sites[p]);
+      forces[sample ? sample->beside : contact.sites[p] - of.first_site] += force;
     }
   }
   return forces;
