@@ -46,7 +46,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("scene",),
     ("document",),
     ("steps",),
-    ("checkpoint", "reproducer.errors", "reproducer.parts", "reproducer.rebuilding"),
+    ("checkpoint", "reproducer.errors", "reproducer.formulas", "reproducer.parts", "reproducer.rebuilding"),
     ("recording", "render", "replay", "view", "exports", "pictures"),
     ("reproducer.reduction", "reproducer.writing", "simulation", "calibration"),
     ("reproducer",),

@@ -151,6 +151,13 @@ void bind_formulas(nanobind::module_& m) {
           "Internal variable of each element, with its value at time 0; later outputs of the formula update "
           "it.")
       .def(
+          "constant",
+          [](const Builder& b, double value) {
+            symbolic::Graph* graph = b->graph().get();
+            return traced(b, symbolic::Scalar(graph, graph->constant(value)));
+          },
+          "value"_a, "A number with a place among the operations: sums order their terms by it.")
+      .def(
           "set_name",
           [](const Builder& b, const TracedScalar& value, const std::string& name) {
             b->graph()->set_name(value.value, name);

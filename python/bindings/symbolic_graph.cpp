@@ -45,6 +45,9 @@ void bind_graph(nb::module_& m) {
       .def(
           "mark_stage", [](Graph& g, const TracedScalar& value) { g.mark_stage(value.value); }, "value"_a,
           "Hint for differentiation: derivatives may go through this value. Never changes results.")
+      .def_prop_ro(
+          "stages", [](const Graph& g) { return std::vector<symbolic::NodeId>(g.stages()); },
+          "Numbers of the nodes that were marked so.")
       .def("__len__", &Graph::size);
   m.def(
       "jacobian",

@@ -228,13 +228,15 @@ def relaxation(
     stretch: float | None = None,
     gamma: float | None = None,
     ramp: float = 0.0,
+    substeps: int = 1,
     sigma: float | None = None,
     name: str = "relaxation",
 ) -> Curve:
     """Stress over time at a constant ``stretch`` (uniaxial) or a constant shear ``gamma``.
 
     times: [s], (n,), increasing, from the start of the ramp. ramp: how long the deformation took to be
-    reached [s]; 0: at once. stress: nominal [Pa], (n,)."""
+    reached [s]; 0: at once. stress: nominal [Pa], (n,). substeps: time steps from point to point; laws of
+    first order in the time step, as those of your own mostly are, need some where points are far apart."""
     owner = f"curves.{name}"
     if (stretch is None) == (gamma is None):
         raise InvalidArgument(f"{owner}: stretch = {stretch!r}, gamma = {gamma!r}: give one of the two")
@@ -245,7 +247,7 @@ def relaxation(
     if not 0.0 <= span < np.inf:
         raise InvalidArgument(f"{owner}: ramp = {span:g} s: must be >= 0 and finite")
     kind = "uniaxial" if gamma is None else "shear"
-    curve = _curve(kind, {what: np.full(count, number)}, {"stress": stress}, times, 1, sigma, name)
+    curve = _curve(kind, {what: np.full(count, number)}, {"stress": stress}, times, substeps, sigma, name)
     if number == curve.at_rest:
         raise InvalidArgument(
             f"{owner}: {what} = {number:g}: must differ from {curve.at_rest:g}, which is rest"

@@ -44,6 +44,10 @@ def test_a_relaxation_is_a_step_and_then_constant() -> None:
     assert shown.tolist() == [False, True, True, True]
     early = curves.uniaxial([1.0, 1.1], [0.0, 1.0], times=[0.0, 2.0]).steps()[1]
     assert 0.0 < early[0] < 1e-8 and abs(early[1] - 2.0) < 1e-8  # rates need a duration
+    finer = curves.relaxation([0.5, 1.0], [3.0, 2.0], stretch=1.3, ramp=0.1, substeps=2).steps()
+    np.testing.assert_allclose(finer[0][:, 0], [1.15, *[1.3] * 5])
+    np.testing.assert_allclose(finer[1], [0.05, 0.05, 0.2, 0.2, 0.25, 0.25], rtol=1e-12)
+    assert finer[2].tolist() == [False, False, False, True, False, True]
     at_once = curves.relaxation([0.0, 1.0], [3.0, 2.0], gamma=0.2)
     assert at_once.kind == "shear" and at_once.steps()[2].tolist() == [True, True]
     assert at_once.steps()[1][0] < 1e-8  # imposed at once: far below the first time
@@ -89,6 +93,10 @@ CASES: dict[str, tuple[Callable[[], Any], str]] = {
     "ramp": (lambda: curves.relaxation([0, 1], [2, 1], gamma=0.1, ramp=-1.0), "ramp = -1 s: must be >= 0"),
     "sigma": (lambda: curves.uniaxial(STRETCH, STRESS, sigma=0.0), "sigma = 0: must be > 0"),
     "substeps": (lambda: curves.uniaxial(STRETCH, STRESS, substeps=0), "substeps = 0: must be a whole"),
+    "substeps of a relaxation": (
+        lambda: curves.relaxation([0, 1], [2, 1], gamma=0.1, substeps=1.5),  # type: ignore[arg-type]
+        "substeps = 1.5: must be a whole",
+    ),
     "axis": (lambda: curves.bending([1, 2], [1, 2], axis=3), "axis = 3: must be 1 or 2"),
     "no curves": (lambda: curves.require_curves([]), "must be a curve of stark.curves"),
     "an array": (lambda: curves.require_curves(STRESS), "must be a curve of stark.curves"),  # type: ignore[arg-type]

@@ -139,6 +139,8 @@ def test_what_a_material_remembers_stays_finite() -> None:
     block.pin_targets = block.mesh.vertices * (1, 1, 1.3)
     diagnosis = failed(sim, "not_finite")
     assert "solid 'block'" in diagnosis.finding
+    assert "internal variable 'left' of law 'forgetful'" in diagnosis.finding
+    assert sim.step().message.count("not finite") == 1
     assert np.isfinite(sim.state.arrays()["internal_variable"]).all()
 
 
@@ -160,6 +162,62 @@ def test_an_energy_that_pulls_a_vertex_into_a_point() -> None:
     assert "energy 'black hole'" in report.message
     assert "cloth 'sheet' (vertex 4)" in report.message
     assert re.search(r"about \S+ m from where", report.message)
+
+
+@stark.energy
+def bouncing(p: stark.Point):
+    return stark.abs(p.x[2] + 0.001)
+
+
+@stark.energy
+def stepping(p: stark.Point):
+    return stark.where(p.x[2] < -0.001, 0.1, 0.0 * p.x[2])
+
+
+def test_an_energy_with_a_kink_that_balances() -> None:
+    """A ball that falls into a groove with the force of 1 N on both sides and stays there, with its friction
+    of 0.3 N: no tolerances and no parts have anything to do with it."""
+    scene = stark.Scene()
+    ball = scene.add_sphere(0.05, mass=0.01, name="ball")
+    sheet = scene.add_cloth(stark.mesh.grid(0.3, 0.3, 3), name="sheet", position=(1, 0, 0))
+    scene.add(bouncing(ball.points((0, 0, 0))), name="groove")
+    scene.add(bouncing(sheet.vertices), name="elsewhere")
+    sim = stark.Simulation(scene, time_step=0.01, **{"time.min_step": 0.0005})
+    for _ in range(100):
+        report = sim.step()
+        if report.failed:
+            break
+    assert report.diagnosis.cause == "rough_energy", report.message
+    assert "energy '" in report.message and "has a kink where" in report.message
+    assert "energy.check()" in report.diagnosis.remedy
+    assert "tolerance" not in report.diagnosis.remedy
+
+
+def test_an_energy_that_jumps() -> None:
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.3, 0.3, 3), name="sheet")
+    scene.add(stepping(sheet.vertices), name="step up")
+    sim = stark.Simulation(scene, time_step=0.01, **{"time.min_step": 0.0005})
+    for _ in range(10):
+        report = sim.step()
+        if report.failed:
+            break
+    assert report.diagnosis.cause == "rough_energy", report.message
+    assert "energy 'step up' jumps by 0.1 J where cloth 'sheet' (vertex" in report.message
+    assert report.diagnosis.bodies == ["cloth 'sheet'"]
+
+
+def test_smooth_energies_that_act_where_a_step_fails_are_named() -> None:
+    @stark.energy
+    def spring(p: stark.Point, k: float):
+        return 0.25 * k * (stark.squared_norm(p.x - p.X) - 0.01) ** 2
+
+    scene = stark.Scene()
+    ball = scene.add_sphere(0.05, mass=0.01, name="ball")
+    scene.add(spring(ball.points((0, 0, 0)), k=1e9), name="well")
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE, **{"newton.max_iterations": 1})
+    diagnosis = failed(sim, "iteration_budget")
+    assert "energy 'well' acts there: print(energy.check())" in diagnosis.remedy
 
 
 def test_a_ball_between_plates_that_close() -> None:

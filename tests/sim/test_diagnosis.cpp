@@ -256,6 +256,32 @@ TEST_CASE("an energy without a bound comes before what follows from it") {
   CHECK(diagnosis.bodies == std::vector<std::string>{"cloth 'sheet'"});
 }
 
+TEST_CASE("a kink or a jump of a user's energy comes before tolerances, energies that act are named after") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::LineSearchFailed;
+  evidence.acting = {"groove", "spring"};
+  const Diagnosis unknown = judged(evidence);
+  CHECK(unknown.cause == FailureCause::Unknown);
+  CHECK(unknown.remedy.starts_with("energies 'groove' and 'spring' act there: print(energy.check())"));
+  evidence.rough = RoughEnergy{sheet({3}), "groove", 0.0, 2.0};
+  const Diagnosis kink = judged(evidence);
+  CHECK(kink.cause == FailureCause::RoughEnergy);
+  CHECK(names(kink,
+              "energy 'groove' has a kink where cloth 'sheet' (vertex 3) is: its force jumps there by 2 N"));
+  evidence.rough->jump = 0.1;
+  CHECK(names(judged(evidence), "jumps by 0.1 J"));
+}
+
+TEST_CASE("what a material would remember is named with its law") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::NotFinite;
+  evidence.not_finite = {sheet({3})};
+  evidence.not_finite_update = "internal variable 'flow' of law 'maxwell'";
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::NotFinite);
+  CHECK(names(diagnosis, "internal variable 'flow' of law 'maxwell' would get a value that is not finite"));
+}
+
 TEST_CASE("pins that pull a body far apart over-constrain it") {
   StepEvidence evidence = plain();
   evidence.pins = PinPair{sheet({0, 8}), 0.9, 0.3};

@@ -91,6 +91,39 @@ TEST_CASE("bodies change places together, one after the other they would meet") 
   CHECK(sim.report().placed.empty());
 }
 
+TEST_CASE("what is put where it is, with the velocity that it has, goes on as it was") {
+  Scene scene = two_boxes();
+  scene.set_default_friction(0.8);
+  const BodyId sheet =
+      scene.add_cloth({.name = "sheet", .mesh = make_grid(0.2, 0.2, 2, 2), .position = {0, 0.5, 0.06}});
+  const BodyId left = scene.find("left");
+  const BodyId gate = scene.add_rigid({.name = "gate",
+                                       .mesh = make_box({0.1, 0.1, 0.1}),
+                                       .mass = 0.1,
+                                       .position = {0, -0.5, 0.5},
+                                       .angular_velocity = {0, 0, 1}});
+  const JointId hinge = scene.add_joint(
+      {.definition = find_joint("hinge"), .a = world_frame({0, -0.5, 0.5}), .b = body_frame(gate, {})});
+  for (const Integrator integrator : {Integrator::ImplicitEuler, Integrator::Bdf2}) {
+    Simulation sim(scene, with(integrator, 0.01));
+    advance(sim, 5);
+    const State before = sim.state();
+    REQUIRE(!before.friction_pair.empty());
+    const size_t contacts = sim.contacts().size();
+    sim.place(left, sim.position(left), sim.rotation(left));
+    sim.push(left, sim.centre_velocity(left), sim.angular_velocity(left));
+    sim.place_vertices(sheet, sim.positions(sheet));
+    sim.push_vertices(sheet, sim.velocities(sheet));
+    sim.place_joint(hinge, sim.joint_coordinates(hinge));
+    sim.push_joint(hinge, sim.joint_rates(hinge));
+    CHECK(sim.state() == before);
+    CHECK(sim.contacts().size() == contacts);
+    CHECK(sim.placed().bodies.empty());
+    sim.push(left, sim.centre_velocity(left) + Vec3{0, 0, 1e-12}, sim.angular_velocity(left));
+    CHECK(sim.placed().bodies == std::vector<int32_t>{left.index});
+  }
+}
+
 TEST_CASE("friction and impacts of what was moved end, those of the rest go on") {
   const Scene scene = [] {
     Scene s = two_boxes();

@@ -164,6 +164,7 @@ class Imu(NamedTuple):
 
 
 _OWN_FORCE = "a force of your own is scene.add_force(body, ...), before the simulation"
+_OWN_TORQUE = "a torque of your own is scene.add_torque(body, ...), before the simulation"
 _FLAT = 1e-8  # distance from the plane of a face over the size of the body
 _ALONG = 0.999  # cosine between the normals of a face and of a contact with it
 
@@ -275,6 +276,21 @@ class ContactSensors(BodyHandle):
 
 class InertialSensors(BodyHandle):
     """What a rigid body feels; a part of ``RigidBody``."""
+
+    @property
+    def contact_torque(self) -> Array:
+        """Sum of the torques of all contact forces on the body about its centre of mass, friction included
+        (3,) [N m]; of fixed and scripted bodies about the origin of their mesh."""
+        position, rotation = self._require_simulation("contact_torque")._core.pose(self._index)
+        center = position + rotation @ np.array(self._scene._core.inertia(self._index)["center_of_mass"])
+        return reading(self.contact_torque_about(center), self, "contact_torque", assign=_OWN_TORQUE)
+
+    def contact_torque_about(self, point: ArrayLike) -> Array:
+        """The same about a point of the world [m]."""
+        core = self._require_simulation("contact_torque_about")._core
+        arms = core.positions(self._index) - vector(point, f"'{self.name}': contact_torque_about: point")
+        found: Array = np.cross(arms, _core.vertex_contact_forces(core, self._index)).sum(axis=0)
+        return found
 
     def acceleration(self, point: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
         """Acceleration of a point, given in the frame of the mesh [m]: change of its velocity over the last

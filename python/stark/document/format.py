@@ -239,6 +239,7 @@ _FORMULA = {
         "and the numbers of the nodes that it is applied to",
     ),
     "outputs": Field(Listing(Whole(), 1000), doc="numbers of nodes"),
+    "stages": Field(Listing(Whole(), 50_000), [], "nodes that derivatives may go through, for speed"),
 }
 _LAW_FORMULA = {
     **_FORMULA,

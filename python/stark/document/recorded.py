@@ -13,7 +13,7 @@ from stark import _core
 from stark.actuators.definition import ActuatorFormula
 from stark.formulas.energy import EnergyFormula
 from stark.formulas.internal import Internal, InternalDeclaration
-from stark.formulas.listing import OPERATIONS, Input, listed, replayed
+from stark.formulas.listing import OPERATIONS, Input, listed, replayed, stages_of
 from stark.formulas.parameters import UNBOUNDED, Declaration, Parameter
 from stark.formulas.tracing import Trace, is_translation_invariant
 from stark.joints.definition import JointFormula
@@ -99,6 +99,7 @@ def _described(
         "inputs": [_input(row, known.get(row["name"])) for row in formula.fields],
         "nodes": [[_number(entry) for entry in node] for node in nodes],
         "outputs": outputs,
+        **({"stages": stages} if (stages := stages_of(graph)) else {}),
     }
 
 
@@ -149,7 +150,10 @@ class ReadFormula(EnergyFormula):
         return "of a scene document"
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        raise DocumentError(f"{self.name}: was read from a scene document, which has no function to call")
+        raise DocumentError(
+            f"{self.name}: was read from a scene document, which has no function to call; "
+            f"check() of its handle in scene.energies goes without"
+        )
 
     def __repr__(self) -> str:
         return f"<stark.energy {self.name} of a scene document>"
@@ -162,7 +166,7 @@ def made(row: Mapping[str, Any], where: str) -> Any:
     try:
         formula, graph, sources = replayed(
             row["points"], [_row(entry) for entry in row["inputs"]], row["nodes"], row["outputs"],
-            _internals(row),
+            _internals(row), row.get("stages", ()),
         )  # fmt: skip
         return _MAKERS[row["kind"]](row, formula, graph, sources, parameters)
     except DocumentError:
@@ -206,6 +210,8 @@ def _check_nodes(row: Mapping[str, Any], where: str) -> None:
             raise DocumentError(f"{place}: unknown operation {str(operation)[:40]!r}")
     if not row["outputs"] or max(row["outputs"]) >= len(row["nodes"]):
         raise DocumentError(f"{where}.outputs: must be numbers of nodes")
+    if row.get("stages") and max(row["stages"]) >= len(row["nodes"]):
+        raise DocumentError(f"{where}.stages: must be numbers of nodes")
 
 
 def _check_operands(node: list[Any], k: int, count: int, place: str) -> None:

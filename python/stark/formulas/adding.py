@@ -8,12 +8,15 @@ import numpy as np
 
 from stark._core import InvalidArgument
 from stark.arguments import given_name
+from stark.formulas.binding import counted
 from stark.formulas.diagnosis import culprit
 from stark.formulas.energy import Binding, EnergyFormula
 from stark.formulas.handle import Energy
 from stark.formulas.inspection import sample_inputs, stacked
 from stark.handle import SceneLink
+from stark.selections import Points
 
+_SAME_PLACE = 1e-9  # [m]
 _CHUNK = 16384  # elements evaluated together, to bound the memory
 
 
@@ -35,6 +38,7 @@ def add_energy(scene: SceneLink, binding: Any, name: str | None) -> Energy:
                 f"{binding.name}: '{body.name}' belongs to another scene: must be a body of this one; "
                 f"add it here"
             )
+    _require_moving(scene, binding)
     binding = binding.copy()
     check_start(binding)
     index = scene._core.add_energy(
@@ -49,6 +53,36 @@ def add_energy(scene: SceneLink, binding: Any, name: str | None) -> Energy:
         }
     )
     return Energy(scene, index, binding)
+
+
+def _require_moving(scene: SceneLink, binding: Binding) -> None:
+    """Raises InvalidArgument for an energy on points of the world alone: nothing would move by it."""
+    if binding.bodies:
+        return
+    labels = dict.fromkeys(label.split("[")[0].split(".")[0] for label in binding.trace.labels)
+    x, y, z = binding.columns[0].positions[0]
+    arguments = " and ".join(f"'{label}'" for label in labels)
+    what = "fixed points" if len(binding.columns) > 1 else counted(len(binding.columns[0]), "fixed point")
+    what += f" of the world, such as ({x:g}, {y:g}, {z:g}) m"
+    raise InvalidArgument(
+        f"{binding.name}: {arguments} got {'a fixed frame of the world' if binding.frames else what}, which "
+        f"nothing moves: one argument at least must be points or a frame of a body; "
+        f"{_remedy(scene, binding)}"
+    )
+
+
+def _remedy(scene: SceneLink, binding: Binding) -> str:
+    """Names the body whose vertices were given as an array of positions."""
+    given = binding.columns[0].positions
+    for index in range(scene._core.body_count):
+        name = scene._core.name(index)
+        vertices: Points = scene[name].vertices
+        for known in (vertices.rest_positions, vertices.positions):
+            if known.shape == given.shape and np.allclose(known, given, rtol=0.0, atol=_SAME_PLACE):
+                return f"they are where '{name}' has its vertices, whose points are scene['{name}'].vertices"
+    return (
+        "points of a body are cloth.vertices or box.points(...), not arrays of positions as mesh.vertices is"
+    )
 
 
 def check_start(binding: Binding) -> None:

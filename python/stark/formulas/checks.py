@@ -20,8 +20,13 @@ _DIFFERENCE_TOLERANCE = 1e-5  # relative; wrong derivatives are off by much more
 _INVARIANCE_TOLERANCE = 1e-8  # relative to the largest force
 _STILL_TOLERANCE = 1e-9  # of an energy or a force, relative to those of the moved elements
 _MOVE = 0.05  # random displacements, of the size of an element
-_GAUSS_POINTS = 16
-_JUMP_TOLERANCE = 0.02  # quadrature: smooth functions 1e-8, functions with a kink 4e-3, jumps of order 1
+_QUADRATURE = tuple(zip(*np.polynomial.legendre.leggauss(4), strict=True))  # places and weights
+_LEAST_PATHS = 8
+# Not halves: where a path is cut, as in its middle, which is the start, no kink is seen.
+_CUT = 0.47
+_CUTS = 28  # until a kink is smooth and a jump is left
+_ROUNDED = 1e-11  # changes below this share of a value may be its rounding
+_JUMP_TOLERANCE = 1e-3  # of the change along the path; rounding is 1e-4 of it
 _BIT_EXACT = "automatic", "interpreter"
 
 
@@ -81,12 +86,17 @@ class Elements:
         noise = rng.uniform(-1.0, 1.0, (2, *self.start.shape))
         self.moved: Any = self.start + _MOVE * self.size[:, None, None] * noise[0]
         self.moved_before: Any = self.start + _MOVE * self.size[:, None, None] * noise[1]
-        self._sample = self._compiled("automatic", self.moved)
+        self._sample = self._compiled("automatic", self.moved_before)
+        self._sample_at_rest = self._compiled("automatic", self.start)
 
-    def evaluate(self, x: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Energies (n,), gradients (n, 3k), Hessians (n, 3k, 3k); empty beyond the order."""
-        self._sample.set_positions(np.ascontiguousarray(x).reshape(-1, 3))
-        return self._split(self._sample.evaluate(order), order)
+    def evaluate(
+        self, x: np.ndarray, order: int, at_rest: bool = False
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Energies (n,), gradients (n, 3k), Hessians (n, 3k, 3k); empty beyond the order. at_rest: in steps
+        from the start instead of random positions."""
+        sample = self._sample_at_rest if at_rest else self._sample
+        sample.set_positions(np.ascontiguousarray(x).reshape(-1, 3))
+        return self._split(sample.evaluate(order), order)
 
     def at(self, x: np.ndarray, x_prev: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The same with other positions at the start of the step."""
@@ -96,10 +106,10 @@ class Elements:
 
     def bits(self, backend: str) -> np.ndarray:
         """All outputs at the moved positions from one back end."""
-        return self._compiled(backend, self.moved).evaluate(2)
+        return self._compiled(backend, self.moved_before).evaluate(2)
 
-    def _compiled(self, backend: str, x: np.ndarray) -> Any:
-        inputs = sample_inputs(self.binding, x, self.moved_before, self.rows)
+    def _compiled(self, backend: str, x_prev: np.ndarray) -> Any:
+        inputs = sample_inputs(self.binding, self.moved, x_prev, self.rows)
         return self.binding.trace.formula.sample(inputs, backend)
 
     def _split(self, flat: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -190,43 +200,75 @@ def _compared(
     return Finding(name, "wrong", text, error)
 
 
+class Path:
+    """Straight ways of all elements across the start, of 5 % of their size."""
+
+    def __init__(self, elements: Elements, rng: np.random.Generator, at_rest: bool) -> None:
+        self._elements, self._at_rest = elements, at_rest
+        size = elements.size[:, None, None]
+        self._way: NDArray[Any] = 2.0 * _MOVE * size * rng.uniform(-1.0, 1.0, elements.start.shape)
+
+    def at(self, t: NDArray[Any], order: int) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Energies (n, 1) or forces (n, 3k), as order is 0 or 1, and their derivatives by t (n,), where the
+        start is at 0."""
+        x = self._elements.start + t[:, None, None] * self._way
+        found = self._elements.evaluate(x, order + 1, self._at_rest)
+        direction = self._way.reshape(len(x), -1)
+        if order == 0:
+            return found[0][:, None], np.einsum("ni,ni->n", found[1], direction)[:, None]
+        return found[1], np.einsum("nij,nj->ni", found[2], direction)
+
+    def unexplained(self, begin: NDArray[Any], end: NDArray[Any], order: int) -> NDArray[Any]:
+        """What the change from begin to end has beyond the integral of the derivatives."""
+        change = self.at(end, order)[0] - self.at(begin, order)[0]
+        for t, weight in _QUADRATURE:
+            derivative = self.at(0.5 * (begin + end) + 0.5 * t * (end - begin), order)[1]
+            change -= 0.5 * weight * (end - begin)[:, None] * derivative
+        return change
+
+    def jump(self, order: int) -> float:
+        """The largest jump on a path, over the largest change along one. Every path is cut again and again to
+        the piece that its derivatives explain less: there a kink loses what it hides, and a jump keeps it."""
+        count = len(self._way)
+        begin, end = np.full(count, -0.5), np.full(count, 0.5)
+        first, last = (self.at(t, order)[0] for t in (begin, end))
+        middle = self.at(np.zeros(count), order)[0]
+        changes = [np.abs(last - first).max(), np.abs(last - middle).max(), np.abs(first - middle).max()]
+        for _ in range(_CUTS):
+            cut = begin + _CUT * (end - begin)
+            pieces = [self.unexplained(a, b, order) for a, b in ((begin, cut), (cut, end))]
+            left, right = (np.nan_to_num(np.abs(piece), nan=np.inf).max(axis=1) for piece in pieces)
+            begin, end = np.where(left >= right, begin, cut), np.where(left >= right, cut, end)
+        jump = float(np.nan_to_num(np.abs(self.unexplained(begin, end, order)), nan=np.inf).max())
+        return jump / float(max(*changes, _ROUNDED * np.abs(first).max(), np.finfo(float).tiny))
+
+
 def _continuity(elements: Elements, rng: np.random.Generator) -> list[Finding]:
-    """Differences of energies and forces across the start against integrals of their derivatives."""
-    path = 2.0 * _MOVE * elements.size[:, None, None] * rng.uniform(-1.0, 1.0, elements.start.shape)
-    direction = path.reshape(len(path), -1)
-    begin, end = (elements.evaluate(elements.start + t * path, 2) for t in (-0.5, 0.5))
-    work = np.zeros(len(path))
-    change = np.zeros_like(direction)
-    for t, weight in zip(*np.polynomial.legendre.leggauss(_GAUSS_POINTS), strict=True):
-        _, gradient, hessian = elements.evaluate(elements.start + 0.5 * t * path, 2)
-        work += 0.5 * weight * np.einsum("ni,ni->n", gradient, direction)
-        change += 0.5 * weight * np.einsum("nij,nj->ni", hessian, direction)
-    return [
-        _jump("energy", "wrong", end[0] - begin[0], work, np.abs(begin[0]).max(), "line search fails there"),
-        _jump(
-            "forces",
-            "note",
-            end[1] - begin[1],
-            change,
-            np.abs(begin[1]).max(),
-            "Newton's method may take many iterations, or fail, where contact with the kink lasts",
-        ),
-    ]
-
-
-def _jump(
-    what: str, status: str, difference: np.ndarray, integral: np.ndarray, level: float, advice: str
-) -> Finding:
-    scale = max(np.abs(difference).max(), np.abs(integral).max(), 1e-12 * level, np.finfo(float).tiny)
-    error = float(np.abs(difference - integral).max() / scale)
-    name = f"continuous {what}"
-    if error <= _JUMP_TOLERANCE:
-        return Finding(name, "ok", f"no jump of the {what} near the start", error)
+    """Looks for jumps of energies and of forces on the way across the start, in steps that begin there, and
+    elsewhere."""
+    count = max(2, _LEAST_PATHS // len(elements.rows))
+    paths = [Path(elements, rng, at_rest=k % 2 == 0) for k in range(count)]
+    energy, forces = (max(path.jump(order) for path in paths) for order in (0, 1))
+    smooth = "no jump of the {} near the start"
+    jumps = energy > _JUMP_TOLERANCE
     text = (
-        f"the {what} near the start jump by about {error:.0%} of their change; {advice}; look at "
-        f"abs, minimum, maximum and where"
+        f"the energy jumps near the start by {100.0 * energy:.3g} % of its change; line search fails there; "
+        f"look at abs, minimum, maximum and where"
     )
-    return Finding(name, status, text, error)
+    of_energy = (
+        Finding("continuous energy", "wrong", text, energy)
+        if jumps
+        else Finding("continuous energy", "ok", smooth.format("energy"), energy)
+    )
+    if forces <= _JUMP_TOLERANCE:
+        return [of_energy, Finding("continuous forces", "ok", smooth.format("forces"), forces)]
+    text = (
+        f"the forces jump near the start by {100.0 * forces:.3g} % of their change"
+        f"{'' if jumps else ': the energy has a kink'}; Newton's method may take many iterations, or fail, "
+        f"where a kink is in balance; look at abs, minimum, maximum and where, and round them off, as "
+        f"stark.sqrt(d**2 + eps**2) does abs(d)"
+    )
+    return [of_energy, Finding("continuous forces", "note", text, forces)]
 
 
 def _backends(elements: Elements) -> Finding:

@@ -99,8 +99,10 @@ def _values(inputs: Inputs, sample: Mapping[str, Any]) -> dict[int, float]:
     return values
 
 
-def first_not_finite(output: Scalar, inputs: Mapping[int, float]) -> tuple[int, str] | None:
-    """(node, words) of the first operation whose value or slope is not finite. `inputs`: values by node."""
+def first_not_finite(
+    output: Scalar, inputs: Mapping[int, float], slopes: bool = True
+) -> tuple[int, str] | None:
+    """(node, words) of the first operation whose value, or slope, is not finite. `inputs`: values by node."""
     nodes = ExpressionGraph("", [output]).nodes
     leaves = [key for key, node in nodes.items() if node.operation == "input"]
     inner = [key for key, node in nodes.items() if node.operands and not node.is_condition]
@@ -120,7 +122,7 @@ def first_not_finite(output: Scalar, inputs: Mapping[int, float]) -> tuple[int, 
         if key not in known or not node.operands:
             continue
         operands = [value(operand) for operand in node.operands if not operand.is_condition]
-        if not np.isfinite(known[key]) or _is_singular(node.operation, operands):
+        if not np.isfinite(known[key]) or (slopes and _is_singular(node.operation, operands)):
             words = _WORDS.get(node.operation, f"'{node.operation}' of {{0:g}}")
             return key, words.format(*operands, 0.0)
     return None

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from stark._core import FormulaBuilder, TraceError
 from stark.formulas.parameters import UNBOUNDED
+from stark.symbolic.errors import TraceIndexError
 from stark.symbolic.functions import atan2, sqrt
 from stark.symbolic.linear_algebra import cross, determinant, dot, inverse, norm, normalized
 from stark.symbolic.tensor import Mat, Scalar, Vec, columns
@@ -126,7 +127,12 @@ class Stencil:
         return type(f"Stencil[{count}]", (Stencil,), {"point_count": count, "__module__": __name__})
 
     def __getitem__(self, index: int) -> Point:
-        return self.points[index]
+        try:
+            return self.points[index]
+        except IndexError:
+            raise TraceIndexError(
+                f"index {index} of {self!r}: it has {self.point_count} points, 0 to {self.point_count - 1}"
+            ) from None
 
     def __iter__(self) -> Iterator[Point]:
         return iter(self.points)

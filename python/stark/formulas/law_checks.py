@@ -312,5 +312,8 @@ def _stability(samples: Samples) -> Finding:
     if samples.free_strains:
         return Finding("stability", "wrong", _free(samples), 0.0)
     indefinite = float((np.linalg.eigvalsh(samples.tangent)[:, 0] < -1e-10 * samples.modulus).mean())
-    text = f"stable at rest; {indefinite:.0%} of strains up to {_STRAIN:.0%} have an indefinite stiffness"
+    text = (
+        f"stable at rest; {indefinite:.0%} of random strains up to {_STRAIN:.0%} have an indefinite "
+        f"stiffness, as what is compressed has: the solver projects it"
+    )
     return Finding("stability", "ok", text, value)

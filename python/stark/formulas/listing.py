@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -70,11 +71,28 @@ def listed(
         else:
             nodes.append([node.operation, *(place[operand.id] for operand in node.operands)])
     outputs = []
+    numbers = {_bits(node[1]): k for k, node in enumerate(nodes) if node[0] == "constant"}
     for output in graph.outputs:
-        if output.graph is None:  # a plain number
-            nodes.append(["constant", float(output)])
-        outputs.append(len(nodes) - 1 if output.graph is None else place[output.id])
+        if output.graph is not None:
+            outputs.append(place[output.id])
+            continue
+        number = float(output)  # a plain number
+        if _bits(number) not in numbers:
+            numbers[_bits(number)] = len(nodes)
+            nodes.append(["constant", number])
+        outputs.append(numbers[_bits(number)])
     return nodes, outputs
+
+
+def stages_of(graph: ExpressionGraph) -> list[int]:
+    """Numbers, as ``listed`` counts, of the nodes that derivatives may go through."""
+    place = {key: k for k, key in enumerate(graph.nodes)}
+    source = next((output.graph for output in graph.outputs if output.graph is not None), None)
+    return [] if source is None else sorted({place[key] for key in source.stages if key in place})
+
+
+def _bits(number: float) -> bytes:
+    return struct.pack("<d", number)
 
 
 def replayed(
@@ -83,19 +101,21 @@ def replayed(
     nodes: Sequence[Sequence[Any]],
     outputs: Sequence[int],
     internals: Sequence[Internal] = (),
+    stages: Sequence[int] = (),
 ) -> tuple[_core.Formula, ExpressionGraph, dict[int, tuple[str, int, int]]]:
     """The formula of nodes as ``listed`` gives them, its graph and what the inputs of that are. Nodes must
     have operands before them; raises TraceError for operations on what they are not for, and KeyError or
     IndexError for inputs that there are not."""
     builder = FormulaBuilder(points)
-    # Made where they first occur: the bits of the formula depend on the order of its inputs.
+    # Made where they first occur: the bits of the formula depend on the order of its inputs and constants.
     waiting = {row[0]: row for row in inputs}
-    known: dict[str, Any] = {variable.name: variable.entries(builder) for variable in internals}
+    coming = list(internals)
+    known: dict[str, Any] = {}
     sources: dict[int, tuple[str, int, int]] = {}
     values: list[Any] = []
     for operation, *operands in nodes:
         if operation == "constant":
-            values.append(_core.symbolic.constant(float(operands[0])))
+            values.append(builder.constant(float(operands[0])))
         elif operation == "input":
             if operands[0] in waiting:
                 name, width, unit, doc, limits, is_data = waiting.pop(operands[0])
@@ -104,11 +124,20 @@ def replayed(
                     if is_data
                     else builder.parameter(name, width, unit, doc, limits)
                 )
+            while operands[0] in [variable.name for variable in coming]:
+                # Those that nothing depends on keep their place among the updates.
+                variable = coming.pop(0)
+                known[variable.name] = variable.entries(builder)
             value = _input(builder, points, known, *operands)
             sources[value.id] = (operands[0], operands[1], operands[2])
             values.append(value)
         else:
             values.append(OPERATIONS[operation][1](*(values[k] for k in operands)))
+    for variable in coming:
+        variable.entries(builder)
+    for k in stages:
+        if values[k].graph is not None:
+            values[k].graph.mark_stage(values[k])
     results: list[Scalar] = [values[k] for k in outputs]
     return builder.finish(results), ExpressionGraph("formula", results), sources
 

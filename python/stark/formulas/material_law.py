@@ -14,6 +14,7 @@ from stark.errors import StarkWarning
 from stark.formulas import law_checks
 from stark.formulas.parameters import Parameter
 from stark.formulas.recorded_law import RecordedLaw
+from stark.formulas.update_checks import bad_update
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
 
 
@@ -59,10 +60,17 @@ class MaterialLaw(RecordedLaw):
     def checked(self, values: Mapping[str, np.ndarray]) -> None:
         """Raises InvalidArgument for a law that is not finite or has stresses at rest, and warns of one that
         is not objective or not stable, unless it is declared so."""
+        if bad := bad_update(self, values, self._rest_points):
+            raise InvalidArgument(bad)
         for problem in self._problems(values):
             if problem.is_error:
                 raise InvalidArgument(f"{problem.text}\n{self.location}")
             warnings.warn(f"{problem.text}\n{self.location}", StarkWarning, stacklevel=3)
+
+    @property
+    def _rest_points(self) -> np.ndarray:
+        """The points of the formula at rest: columns of F."""
+        return np.eye(3)[: self.directions]
 
     def _problems(self, values: Mapping[str, np.ndarray]) -> list[law_checks.Problem]:
         return law_checks.problems(self, values)

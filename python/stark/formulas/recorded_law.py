@@ -21,7 +21,7 @@ from stark.formulas.statistics import FormulaStatistics
 from stark.formulas.tracing import clock_symbol, parameter_symbols, scalar_result, unused_text
 from stark.symbolic.errors import definition_of, formula_error, recording
 from stark.symbolic.graph import ExpressionGraph
-from stark.symbolic.tensor import Mat, columns
+from stark.symbolic.tensor import Mat, Scalar, columns
 
 Sources: TypeAlias = Mapping[int, tuple[str, int, int]]
 
@@ -139,8 +139,13 @@ class RecordedLaw:
                 self._recorded = self._record()
             return self._recorded
 
-    def _record(self) -> tuple[_core.Formula, ExpressionGraph, Sources]:
-        inputs = Inputs(list(range(self._point_count)))
+    @property
+    def function(self) -> Callable[..., object]:
+        """What was decorated."""
+        return self._function
+
+    def results(self, inputs: Inputs) -> tuple[Scalar, list[Scalar]]:
+        """The energy and the new values of all internal variables, of one run of the function."""
         values: list[object] = self._strains(inputs)
         for argument in self.arguments:
             if isinstance(argument, Past):
@@ -154,7 +159,11 @@ class RecordedLaw:
         with recording(self.name):
             result = self._function(*values)
         result, updates = split_result(self.name, result, self.internals, self._function)
-        output = scalar_result(self.name, result, self._function)
+        return scalar_result(self.name, result, self._function), updates
+
+    def _record(self) -> tuple[_core.Formula, ExpressionGraph, Sources]:
+        inputs = Inputs(list(range(self._point_count)))
+        output, updates = self.results(inputs)
         title = f"{self.name}({', '.join([*self._strain_names, *(a.name for a in self.arguments)])})"
         graph = ExpressionGraph(title, [output, *updates])
         for name in self._strain_names:

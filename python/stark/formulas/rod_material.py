@@ -82,6 +82,10 @@ class RodMaterialLaw(MaterialLaw):
         return 2  # (0, 0, stretch) and (curvature 1, curvature 2, twist)
 
     @property
+    def _rest_points(self) -> np.ndarray:
+        return np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+
+    @property
     def _strain_names(self) -> tuple[str, ...]:
         return self._names
 

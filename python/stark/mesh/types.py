@@ -15,6 +15,7 @@ from stark.arguments import given_path, nearest_hint, refuse_masked
 from stark.array_file import write_atomically
 from stark.attributes import AnsweredAttributes
 from stark.mesh.arguments import Indices, Points, corners_of, indices_of, numbers_of, points_of
+from stark.mesh.saving import WRITERS
 from stark.rotations import as_matrix, vector
 
 
@@ -104,6 +105,20 @@ class TriangleMesh(MeshBase):
         self.__dict__["vertices"] = points_of(vertices, "TriangleMesh: vertices")
         self.__dict__["triangles"] = indices_of(triangles, 3, "TriangleMesh: triangles")
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a file that ``stark.mesh.load`` reads, by its ending: ``mesh.save("cup.npz")`` the arrays
+        with all digits, ``.obj`` and ``.ply`` the same for other programs, ``.stl`` in single precision.
+        Coordinates are in metres."""
+        file = given_path(path, "save: path")
+        writer = WRITERS.get(file.suffix.lower())
+        if writer is None and file.suffix != ".npz":
+            raise InvalidArgument(f"save: path = '{path}': must end in .npz, {', '.join(WRITERS)}")
+        if writer is None:
+            super().save(file)
+            return
+        data = writer(self.vertices, self.triangles, file)
+        write_atomically(file, lambda stream: stream.write(data))
+
     def _with(self, vertices: Points) -> TriangleMesh:
         return TriangleMesh(vertices, self.triangles)
 
@@ -143,6 +158,11 @@ class TetMesh(MeshBase):
 
     def _with(self, vertices: Points) -> TetMesh:
         return TetMesh(vertices, self.tets)
+
+    @property
+    def elements(self) -> Indices:
+        """``tets``, by the name that they have in meshes of other elements."""
+        return self.tets
 
     @property
     def volumes(self) -> NDArray[np.float64]:

@@ -6,9 +6,10 @@
 
     $ python failure/reproduce.py
 
-The folder holds ``step.npz`` (the scene as data, the settings, the state before the step) and a script that
-takes the step again. ``load`` gives the simulation to look into. Formulas of the user's own are code, not
-data: what cannot be written is listed in the script and by ``load``."""
+The folder holds ``step.npz`` (the scene as data, formulas of the user included, the settings, the state
+before the step) and a script that takes the step again. ``load`` gives the simulation to look into. What
+cannot be written is listed in the script and by ``load``: laws that were made by other means than
+``@stark.material``, formulas of more operations than a scene document holds."""
 
 from .errors import ReproducerError
 from .loading import load

@@ -40,7 +40,9 @@ def load(path: str | PathLike[str]) -> Simulation:
         raise ReproducerError(f"{owner} is damaged ({error}); write it again") from error
     if header["missing"]:
         lost = ", ".join(row["what"] for row in header["missing"])
-        warnings.warn(f"{owner}: without {lost}: formulas are code and not in it", StarkWarning, stacklevel=2)
+        warnings.warn(
+            f"{owner}: without {lost}: formulas that could not be written", StarkWarning, stacklevel=2
+        )
     return sim
 
 

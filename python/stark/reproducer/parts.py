@@ -1,5 +1,5 @@
 """Objects of the core that calls on a scene hold, as data and back: materials by their numbers, laws, joints
-and actuators by their names where they are built in."""
+and actuators by their names where they are built in, formulas of the user by their numbers."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from stark import _core
 from stark.actuators import definition as actuators
 from stark.joints import definition as joints
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
+
+from .formulas import ReadFormulas, WrittenFormulas
 
 _MATERIALS: dict[str, type[Any]] = {
     kind.__name__: kind for kind in (_core.ShellMaterial, _core.SolidMaterial, _core.RodMaterial)
@@ -29,29 +31,38 @@ class NotDataError(Exception):
     """A formula of the user's own; the text names it."""
 
 
-def as_data(value: Any) -> Any:
-    """Plain data in place of objects of the core. Raises NotDataError for formulas."""
+def as_data(value: Any, formulas: WrittenFormulas) -> Any:
+    """Plain data in place of objects of the core. Raises NotDataError for formulas that there are not."""
     if isinstance(value, dict):
-        return {key: as_data(item) for key, item in value.items()}
+        return {key: as_data(item, formulas) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return type(value)(as_data(item) for item in value)
+        return type(value)(as_data(item, formulas) for item in value)
     for name, kind in _MATERIALS.items():
         if isinstance(value, kind):
             return {"core": name, "fields": value.to_dict()}
     for name, (kind, known) in _LAWS.items():
         if isinstance(value, kind):
             title = str(getattr(value, "name", ""))
-            if known.get(title) is not value:
-                raise NotDataError(f"law '{title}'")
-            return {"core": name, "name": title}
+            return _named(name, title, known.get(title) is value, f"law '{title}'", value, formulas)
     for name, (kind, find) in _DEFINITIONS.items():
         if isinstance(value, kind):
-            if not _is_built_in(value, find):
-                raise NotDataError(f"{name.removesuffix('Definition').lower()} '{value.name}'")
-            return {"core": name, "name": value.name}
+            what = f"{name.removesuffix('Definition').lower()} '{value.name}'"
+            return _named(name, value.name, _is_built_in(value, find), what, value, formulas)
     if isinstance(value, _core.Formula):
-        raise NotDataError("formula")
+        return _named("Formula", "", False, "formula", value, formulas)
     return value
+
+
+def _named(
+    core: str, name: str, is_built_in: bool, what: str, value: Any, formulas: WrittenFormulas
+) -> dict[str, Any]:
+    """A formula by its name where it is built in, else by its number."""
+    if is_built_in:
+        return {"core": core, "name": name}
+    number = formulas.number(value)
+    if number is None:
+        raise NotDataError(what)
+    return {"core": core, "formula": number}
 
 
 def _is_built_in(value: Any, find: Callable[[str], Any]) -> bool:
@@ -61,15 +72,18 @@ def _is_built_in(value: Any, find: Callable[[str], Any]) -> bool:
         return False
 
 
-def from_data(value: Any) -> Any:
-    """What as_data() was given. Raises KeyError or InvalidArgument for names that are not known here."""
+def from_data(value: Any, formulas: ReadFormulas) -> Any:
+    """What as_data() was given. Raises KeyError, TypeError, IndexError or InvalidArgument for names and
+    numbers that are not known here."""
     if isinstance(value, (list, tuple)):
-        return type(value)(from_data(item) for item in value)
+        return type(value)(from_data(item, formulas) for item in value)
     if not isinstance(value, dict):
         return value
     if "core" not in value:
-        return {key: from_data(item) for key, item in value.items()}
+        return {key: from_data(item, formulas) for key, item in value.items()}
     name = value["core"]
+    if "formula" in value:
+        return formulas.core(value["formula"])
     if name in _MATERIALS:
         material = _MATERIALS[name]()
         material.update(value["fields"])

@@ -11,7 +11,11 @@ from stark.checkpoint import memory
 from stark.errors import StarkWarning
 
 from .errors import ReproducerError
+from .formulas import ReadFormulas
 from .parts import from_data
+
+#: Of an energy: values that the step took where they are not those that it was added with.
+VALUES = "values_of_the_step"
 
 
 def simulation_of(
@@ -23,15 +27,24 @@ def simulation_of(
     needed = [row["what"] for row in header["missing"] if row["call"] != "add_energy"]
     if needed:
         raise ReproducerError(
-            f"{owner}: {', '.join(needed)} could not be written, because formulas are code, and the state "
-            f"does not fit a scene without; make the scene with its own script and load a checkpoint"
+            f"{owner}: {', '.join(needed)} could not be written, because their formulas are not "
+            f"recorded or too long, and the state does not fit a scene without; make the scene with its own "
+            f"script and load a checkpoint"
         )
     scene = new_scene(str(header["scene"]))
+    formulas = ReadFormulas(header["formulas"])
+    live: list[Any] = []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StarkWarning)  # given when the scene was made
         for name, arguments in header["calls"]:
-            _repeat(scene, name, from_data(memory.decode(arguments, arrays)))
+            given = from_data(memory.decode(arguments, arrays), formulas)
+            if name == "add_energy":
+                live.append(given[0].pop(VALUES))
+            _repeat(scene, name, given)
         sim = new_simulation(scene, **header["settings"])
+    for energy, values in enumerate(live):
+        for name, numbers in values.items():
+            sim._core.set_energy_value(energy, name, numbers)
     state = _core.State.of_arrays(
         {n.removeprefix("state/"): a for n, a in arrays.items() if n[:6] == "state/"}
     )
@@ -57,7 +70,7 @@ def _repeat(scene: Any, name: str, arguments: list[Any]) -> None:
 _BODIES = {f"add_{kind}": handle for kind, handle in HANDLES.items()}
 _CALLS = {
     *_BODIES,
-    *("add_skin", "add_fibres", "add_joint", "add_actuator", "add_attachment"),
+    *("add_skin", "add_fibres", "add_energy", "add_joint", "add_actuator", "add_attachment"),
     *("set_actuator_value", "set_actuator_enabled", "pin", "clamp", "set_rest_state"),
     *("set_friction", "set_anisotropic_friction", "set_restitution", "set_surface_directions"),
     "set_surface_motion",

@@ -20,11 +20,12 @@ from stark.steps import Stepping, TakenStep
 
 from . import reduction
 from .errors import ReproducerError
+from .formulas import WrittenFormulas
 from .parts import NotDataError, as_data
-from .rebuilding import simulation_of
+from .rebuilding import VALUES, simulation_of
 
 FORMAT_NAME = "stark-reproducer"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 DATA, SCRIPT = "step.npz", "reproduce.py"
 
 _SCRIPT = '''"""{title}
@@ -67,7 +68,8 @@ def write(sim: Stepping, folder: str | PathLike[str], *, reduce: bool = False) -
             "no step to reproduce: must be written after a step, before the state is set; call sim.step()"
         )
     state = taken.before.arrays()
-    header, arrays = _described(sim, taken, [*sim._calls, *_rest_states(sim)], state)
+    calls = [*_with_live_values(sim._calls, taken.values), *_rest_states(sim)]
+    header, arrays = _described(sim, taken, calls, state)
     left_out: list[str] = []
     if reduce and taken.report.diagnosis:
         for keep in reduction.candidates(sim, taken.report.diagnosis):
@@ -88,6 +90,20 @@ def write(sim: Stepping, folder: str | PathLike[str], *, reduce: bool = False) -
     return place / SCRIPT
 
 
+def _with_live_values(calls: list[Call], values: list[dict[str, Any]]) -> list[Call]:
+    """The calls, those that add energies with the values that the step took where they differ."""
+    steps = iter(values)  # of the energies, in the order in which they were added, then of others
+    return [_with_values(call, next(steps)) if call[0] == "add_energy" else call for call in calls]
+
+
+def _with_values(call: Call, live: dict[str, Any]) -> Call:
+    name, (given,) = call
+    first = {key: np.asarray(numbers).reshape(-1) for key, (numbers, _) in given["values"].items()}
+    flat = {key: np.ascontiguousarray(live[key]).reshape(-1) for key in live.keys() & first.keys()}
+    changed = {key: array for key, array in flat.items() if array.tobytes() != first[key].tobytes()}
+    return name, ({**given, VALUES: changed},)
+
+
 def _rest_states(sim: Stepping) -> list[Call]:
     """Calls that give bodies the rest states that the step took."""
     return [call for live in sim._live_values for call in getattr(live, "calls", list)()]
@@ -98,8 +114,9 @@ def _described(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Header and arrays of the file."""
     arrays: dict[str, Any] = {f"state/{name}": array for name, array in state.items()}
+    formulas = WrittenFormulas(sim._scene)
     try:
-        encoded, missing = _encoded(calls, arrays)
+        encoded, missing = _encoded(calls, formulas, arrays)
     except CheckpointError as error:
         raise ReproducerError(f"reproducer: {error}") from None
     report = taken.report
@@ -110,6 +127,7 @@ def _described(
         "scene": sim._scene.name,
         "step": report.step,
         "settings": sim.settings.to_dict(),
+        "formulas": formulas.rows,
         "calls": encoded,
         "missing": missing,
         "state_hash": _core.State.of_arrays(state).hash,
@@ -137,12 +155,14 @@ def _fails_alike(sim: Stepping, taken: TakenStep, header: dict[str, Any], arrays
     )
 
 
-def _encoded(calls: list[Call], arrays: dict[str, Any]) -> tuple[list[Any], list[dict[str, Any]]]:
-    """Calls as JSON, and what cannot be: formulas of the user's own."""
+def _encoded(
+    calls: list[Call], formulas: WrittenFormulas, arrays: dict[str, Any]
+) -> tuple[list[Any], list[dict[str, Any]]]:
+    """Calls as JSON, and what cannot be: formulas that were made by other means than those of Python."""
     encoded, missing = [], []
     for name, arguments in calls:
         try:
-            encoded.append([name, memory.encode(as_data(list(arguments)), arrays, place=name)])
+            encoded.append([name, memory.encode(as_data(list(arguments), formulas), arrays, place=name)])
         except NotDataError as error:
             what = name.removeprefix("add_")
             given = arguments[0].get("name") or arguments[0].get("formula_name", "")
@@ -166,8 +186,8 @@ def _script(sim: Stepping, taken: TakenStep, left_out: list[str], missing: list[
     if missing:
         rows = "\n".join(f"    {row['what']}" for row in missing)
         lost = (
-            "\nNot in here, because formulas of the user's own are code. The step goes without energies;\n"
-            f"other parts must be added to the scene by hand:\n{rows}\n"
+            "\nNot in here, because their formulas are not recorded or too long. The step goes without\n"
+            f"energies; other parts must be added to the scene by hand:\n{rows}\n"
         )
     return _SCRIPT.format(
         title=_quoted(title),

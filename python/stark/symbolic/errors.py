@@ -15,6 +15,10 @@ from stark._core import TraceError
 _OWN = (str(Path(__file__).resolve().parents[1]), str(Path(np.__file__).resolve().parent))
 
 
+class TraceIndexError(TraceError, IndexError):
+    """An index in a formula that is out of range."""
+
+
 def location_text(filename: str, line: int, function: str) -> str:
     """File, line, function and the source text of the line, as tracebacks show them."""
     source = linecache.getline(filename, line).strip()

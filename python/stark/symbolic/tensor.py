@@ -14,6 +14,7 @@ import numpy as np
 
 from stark._core import TraceError
 from stark._core import symbolic as core
+from stark.symbolic.errors import TraceIndexError
 
 Scalar = core.Scalar
 
@@ -78,7 +79,7 @@ class Tensor:
         try:
             places = np.arange(self.size).reshape(self.shape)[key]
         except IndexError as error:
-            raise IndexError(f"index {key!r} of {describe(self)}: {error}") from None
+            raise TraceIndexError(f"index {key!r} of {describe(self)}: {error}; the first is 0") from None
         if places.ndim == 0:
             return self._entries[int(places)]
         if places.ndim > 2:

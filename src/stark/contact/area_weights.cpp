@@ -68,20 +68,6 @@ std::set<int32_t> vertices_of(const std::vector<std::pair<Index2, double>>& bord
   return vertices;
 }
 
-/// Part of a triangle's area that is nearest to its corner k: its Voronoi cell, half of an obtuse triangle
-/// [Meyer et al. 2003]. Halves of squares give the same to all corners of the square.
-double corner_area(const Index3& t, int k, std::span<const Vec3> x) {
-  const auto cosine = [&](int i) {  // times the lengths of both sides
-    return dot(x[t[(i + 1) % 3]] - x[t[i]], x[t[(i + 2) % 3]] - x[t[i]]);
-  };
-  const double twice = 2.0 * norm(area_vector(t, x));
-  for (int i = 0; i < 3; ++i)
-    if (cosine(i) <= 0.0) return twice * (i == k ? 0.25 : 0.125);
-  const int i = (k + 1) % 3, j = (k + 2) % 3;
-  return (squared_norm(x[t[i]] - x[t[k]]) * cosine(j) + squared_norm(x[t[j]] - x[t[k]]) * cosine(i)) /
-         (8.0 * twice);
-}
-
 /// Area of each vertex of a patch of several triangles with vertices inside that may touch. Empty if there are
 /// none.
 std::map<int32_t, double> areas_inside(const Patch& patch, const SurfaceMesh& mesh,
@@ -95,7 +81,7 @@ std::map<int32_t, double> areas_inside(const Patch& patch, const SurfaceMesh& me
   for (const int32_t t : patch.triangles)
     for (int k = 0; k < 3; ++k) {
       const int32_t v = mesh.triangles[t][k];
-      areas[v] += corner_area(mesh.triangles[t], k, rest);
+      areas[v] += norm(area_vector(mesh.triangles[t], rest)) / 3.0;
       has_inside = has_inside || (!on_border.contains(v) && !is_left_out[v]);
     }
   return has_inside ? areas : std::map<int32_t, double>{};

@@ -79,6 +79,7 @@ FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> ri
       Index2& both = triangles_of_edge_[edge->second];
       (both[0] < 0 ? both[0] : both[1]) = t;
     }
+  for (const SurfaceMesh::Sample& sample : mesh.samples) triangle_of_vertex_[sample.vertex] = sample.triangle;
 }
 
 std::vector<int32_t> FrictionCarriers::edges_beside(const SurfaceMesh& mesh, int32_t edge) const {

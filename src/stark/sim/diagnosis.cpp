@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include <stark/sim/verdict.h>
+
 namespace stark {
 
 namespace {
@@ -43,20 +45,7 @@ constexpr const char* kLeaveRoom =
     "end the prescribed motion before the obstacle, leave room for what is in between and for the contact "
     "distances, move the obstacle, or drive the body by an actuator with a force that has a cap";
 
-struct Verdict {
-  FailureCause cause = FailureCause::None;
-  std::string finding, remedy;
-  std::vector<std::string> bodies{};
-};
-
 std::string percent(double fraction) { return to_text(std::round(1e4 * fraction) / 100.0) + " %"; }
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (size_t k = 0; k < names.size(); ++k)
-    text += (k == 0 ? "" : (k + 1 == names.size() ? " and " : ", ")) + names[k];
-  return text;
-}
 
 std::string force_text(const StepEvidence& e) {
   if (e.forces.empty()) return "";
@@ -269,8 +258,15 @@ Verdict judge_not_finite(const StepEvidence& e) {
             "start from a shape without inverted elements (initial_positions, pins), or use a law that "
             "stands inversion, such as stable_neo_hookean",
             {element->at.body}};
-  std::string what = "an energy or its derivatives are not finite";
   std::vector<std::string> bodies;
+  if (!e.not_finite_update.empty())
+    return {
+        FailureCause::NotFinite,
+        e.not_finite_update + " would get a value that is not finite, in " + place_text(e.not_finite.front()),
+        "look for divisions by zero, roots and logarithms of negative numbers in what the law returns for "
+        "it, and guard them with where/select, or keep the body from getting there",
+        {e.not_finite.front().body}};
+  std::string what = "an energy or its derivatives are not finite";
   if (!e.not_finite.empty()) {
     what += ": that of " + place_text(e.not_finite.front());
     bodies.push_back(e.not_finite.front().body);
@@ -280,18 +276,6 @@ Verdict judge_not_finite(const StepEvidence& e) {
       "look for the norm of a zero vector, divisions by zero, roots and logarithms of negative numbers in "
       "its formula, for collapsed elements, and for numbers too large to square",
       bodies};
-}
-
-Verdict judge_steep_energy(const StepEvidence& e) {
-  if (!e.steep) return {};
-  return {
-      FailureCause::SingularEnergy,
-      "energy '" + e.steep->energy + "' grows without bound: its force on " + place_text(e.steep->at) +
-          " is " + rough_text(e.steep->force, "N") + ", about " + rough_text(e.steep->length, "m") +
-          " from where the energy has no value",
-      "give the energy a bound, such as the root of r^2 + c^2 for a distance r with a length c that steps "
-      "can resolve, or hold its points apart",
-      {e.steep->at.body}};
 }
 
 /// Whether a value that misses its tolerance does so because of rounding alone.
@@ -306,6 +290,12 @@ bool stands_still(const StepEvidence& e, const NewtonSettings& newton) {
          e.solve.last_motion < kStandstill * newton.step_tolerance * e.time_step && crushed_gaps(e).empty();
 }
 
+/// What may be added to a remedy about energies of the user.
+std::string with_acting(const StepEvidence& e) {
+  const std::string text = acting_text(e);
+  return text.empty() ? "" : "; " + text;
+}
+
 /// Near a solution the force of what is stiff is the rounding of its coordinate.
 std::string tolerance_remedy(const StepEvidence& e) {
   const double farthest = e.forces.empty() ? 0.0 : max_abs(e.forces.front().position);
@@ -316,7 +306,7 @@ std::string tolerance_remedy(const StepEvidence& e) {
   if (e.actuator && e.actuator->acceleration > kRounded * e.solve.acceleration)
     text += ", or lower the cap, the stiffness or the effort of actuator '" + e.actuator->name +
             "', whose force on " + place_text(e.actuator->at) + " rounds";
-  return text + "; what is very stiff rounds more";
+  return text + "; what is very stiff rounds more" + with_acting(e);
 }
 
 Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
@@ -416,12 +406,15 @@ Verdict judge_status(const StepEvidence& e, const Settings& settings) {
         FailureCause::IterationBudget,
         "Newton's method was still on its way after newton.max_iterations; " + force_text(e),
         has_inertia(settings.time.integrator)
-            ? "raise newton.max_iterations, lower time.step, or loosen the tolerances"
+            ? "raise newton.max_iterations, lower time.step, or loosen the tolerances" + with_acting(e)
             : "raise newton.max_iterations, apply loads and prescribed motion in smaller parts, or loosen "
-              "the tolerances"};
+              "the tolerances" +
+                  with_acting(e)};
+  const std::string first = acting_text(e);
   return {FailureCause::Unknown, force_text(e),
-          "look at the bodies named here, for over-constrained parts and for extreme stiffness; "
-          "write_reproducer(path) keeps the step for study"};
+          (first.empty() ? "" : first + "; ") +
+              "look at the bodies named here, for over-constrained parts and for extreme stiffness; "
+              "write_reproducer(path) keeps the step for study"};
 }
 
 std::string suspicion_text(const StepEvidence& e) {
@@ -450,7 +443,7 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
       break;
   }
   for (Verdict verdict :
-       {judge_prescribed(e, settings), judge_not_finite(e), judge_steep_energy(e),
+       {judge_prescribed(e, settings), judge_not_finite(e), judge_steep_energy(e), judge_rough_energy(e),
         judge_tolerance(e, settings.newton), judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
     if (verdict.cause != FailureCause::None) return verdict;
   if (e.solve.status == SolveStatus::Detour && e.in_the_way) {

@@ -26,6 +26,7 @@ enum class FailureCause : uint8_t {
   InvertedElement,         ///< an element turned inside out, whose law has no energy there
   NotFinite,               ///< an energy or its derivatives are not finite
   SingularEnergy,          ///< an energy of the user's that has no bound where its points are
+  RoughEnergy,             ///< an energy of the user's with a kink or a jump where its points are
   ToleranceBelowRoundOff,  ///< the tolerances ask for more than rounding of the forces allows
   NoEquilibrium,           ///< a quasistatic step without anything that holds the bodies
   ThicknessOverlap,        ///< bodies that start well within their contact distances
@@ -40,7 +41,7 @@ enum class FailureCause : uint8_t {
 };
 template <>
 struct EnumNames<FailureCause> {
-  static constexpr std::array<std::string_view, 20> kNames{"none",
+  static constexpr std::array<std::string_view, 21> kNames{"none",
                                                            "interrupted",
                                                            "time_budget",
                                                            "contradicting_joints",
@@ -49,6 +50,7 @@ struct EnumNames<FailureCause> {
                                                            "inverted_element",
                                                            "not_finite",
                                                            "singular_energy",
+                                                           "rough_energy",
                                                            "tolerance_below_round_off",
                                                            "no_equilibrium",
                                                            "thickness_overlap",
@@ -118,6 +120,14 @@ struct SteepEnergy {
   double length = 0.0;  ///< [m] force over stiffness: about the distance to where it has no value
 };
 
+/// An energy of the user that is not smooth where its points are, within the last Newton step.
+struct RoughEnergy {
+  BodyVertices at;
+  std::string energy;
+  double jump = 0.0;   ///< [J] of the energy; 0 where it has a kink
+  double force = 0.0;  ///< [N] jump of the force on a point
+};
+
 /// What an actuator does to the body that it accelerates most.
 struct StrongActuator {
   std::string name;
@@ -153,7 +163,10 @@ struct StepEvidence {
   std::optional<PinPair> pins;             ///< the pair that stretches its body most
   std::optional<BlockingPair> in_the_way;  ///< of an attempt that went around something
   std::vector<BodyVertices> not_finite;    ///< where energies are not finite, and their owners
+  std::string not_finite_update;           ///< of the first one, if it is an internal variable's
   std::optional<SteepEnergy> steep;        ///< the steepest
+  std::optional<RoughEnergy> rough;        ///< the roughest
+  std::vector<std::string> acting;         ///< users' energies on what is most out of balance
   std::optional<StrongActuator> actuator;  ///< the strongest
   /// Smallest unbalanced force and acceleration that rounding of the positions lets forces tell apart.
   double force_rounding = 0.0;         ///< [N]

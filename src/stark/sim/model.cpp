@@ -240,8 +240,8 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     first_triangle.push_back(static_cast<int32_t>(mesh.triangles.size()));
     // Directions may differ from triangle to triangle, so such a face is not taken for one.
     const bool has_faces = scene.surface_directions(id).size() <= 1;
-    add_surface(bodies_[b], id.index, rest_positions_, has_faces, scene.motion(id) != Motion::Fixed,
-                surfaces);
+    const bool moves = scene.motion(id) != Motion::Fixed;
+    add_surface(bodies_[b], id.index, rest_positions_, has_faces, moves, surfaces);
     surfaces.group_distance.push_back(contact_distance(scene, id, settings));
     surfaces.stiffness.push_back(contact_stiffness(scene, *this, id, settings));
     surfaces.core.push_back(scene.contact_core(id));

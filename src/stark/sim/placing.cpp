@@ -66,7 +66,8 @@ std::set<int32_t> Placing::changed() const {
   return bodies;
 }
 
-void Placing::end(const std::function<void(std::span<const Vec3> x)>& check_clear) {
+bool Placing::end(const std::function<void(std::span<const Vec3> x)>& check_clear) {
+  if (changed().empty()) return is_open_ = false;
   try {
     if (!moved_.empty()) {
       if (contact_) check_clear(model_.site_positions(state_));
@@ -89,6 +90,7 @@ void Placing::end(const std::function<void(std::span<const Vec3> x)>& check_clea
   bodies.insert(placed_.bodies.begin(), placed_.bodies.end());
   placed_.bodies.assign(bodies.begin(), bodies.end());
   is_open_ = false;
+  return true;
 }
 
 std::pair<int32_t, int32_t> Placing::rigid_range(int32_t body) const {
@@ -133,6 +135,7 @@ void Placing::put_points(int32_t body, std::span<const Vec3> positions) {
     throw InvalidArgument(owner +
                           " of a body with fibres that bend cannot be placed, as their frames would not fit "
                           "them; rewind to a state in which it is as it should be");
+  if (is_there(b, positions)) return;
   for (int32_t i = 0; i < b.site_count; ++i) {
     state_.point_position[b.first_site + i] = positions[i];
     if (model_.map().layout().point_block[b.first_site + i] != kNoBlock) continue;
@@ -143,7 +146,19 @@ void Placing::put_points(int32_t body, std::span<const Vec3> positions) {
   moved_.insert(body);
 }
 
+bool Placing::is_there(const ModelBody& body, std::span<const Vec3> positions) const {
+  for (int32_t i = 0; i < body.site_count; ++i) {
+    const int32_t p = body.first_site + i;
+    if (state_.point_position[p] != positions[i]) return false;
+    const bool is_pinned = model_.map().layout().point_block[p] == kNoBlock;
+    if (is_pinned && (state_.pin_target[p] != positions[i] || state_.point_velocity[p] != Vec3{}))
+      return false;
+  }
+  return true;
+}
+
 void Placing::put_together(const std::set<int32_t>& bodies, const Mat3& rotation, const Vec3& shift) {
+  if (rotation == Mat3::identity() && shift == Vec3{}) return;
   const Transform transform{.rotation = rotation, .shift = shift};
   move(bodies, transform);
   turn_velocities(bodies, transform, world_frame({}));
@@ -171,6 +186,8 @@ void Placing::follow() {
 
 void Placing::push_rigid(int32_t body, const Vec3& velocity, const Vec3& angular_velocity) {
   const int32_t index = model_.bodies()[body].rigid_index;
+  if (state_.body_velocity[index] == velocity && state_.body_angular_velocity[index] == angular_velocity)
+    return;
   state_.body_velocity[index] = velocity;
   state_.body_angular_velocity[index] = angular_velocity;
   pushed_.insert(body);
@@ -180,14 +197,20 @@ void Placing::push_points(int32_t body, std::span<const Vec3> velocities) {
   require_matching(body, velocities.size(), "velocities");
   const ModelBody& b = model_.bodies()[body];
   const DofLayout& layout = model_.map().layout();
+  bool is_new = false;
+  const auto set = [&](Vec3& present, const Vec3& given) {
+    is_new = is_new || present != given;
+    present = given;
+  };
   for (int32_t i = 0; i < b.site_count; ++i) {
     if (has_nodes(b.kind)) {
       if (layout.body_block[b.rigid_index + i] != kNoBlock)
-        state_.body_velocity[b.rigid_index + i] = velocities[i];
+        set(state_.body_velocity[b.rigid_index + i], velocities[i]);
     } else if (layout.point_block[b.first_site + i] != kNoBlock) {
-      state_.point_velocity[b.first_site + i] = velocities[i];
+      set(state_.point_velocity[b.first_site + i], velocities[i]);
     }
   }
+  if (!is_new) return;
   follow();
   pushed_.insert(body);
 }

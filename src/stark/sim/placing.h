@@ -33,8 +33,8 @@ class Placing : private StepPart {
   /// Throws while bodies are placed; `what` needs all of them.
   void require_closed(const char* what) const;
   /// Throws where constraints do not hold or surfaces meet, with `check_clear` for the latter; then the state
-  /// is as it was at begin().
-  void end(const std::function<void(std::span<const Vec3> x)>& check_clear);
+  /// is as it was at begin(). False where nothing was placed: what is put where it is goes on as it was.
+  bool end(const std::function<void(std::span<const Vec3> x)>& check_clear);
   void cancel();
   /// Since the last step.
   const Placed& placed() const { return placed_; }
@@ -80,6 +80,7 @@ class Placing : private StepPart {
   // Of bodies (placing.cpp).
   /// Sets embedded vertices to where the others bring them.
   void follow();
+  bool is_there(const ModelBody& body, std::span<const Vec3> positions) const;
   void require_matching(int32_t body, size_t rows, const char* what) const;
   std::pair<int32_t, int32_t> rigid_range(int32_t body) const;  ///< first and count in the body arrays
   std::vector<int32_t> fibre_frames(int32_t body) const;

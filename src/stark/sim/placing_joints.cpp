@@ -418,6 +418,8 @@ void Placing::put_joint(int32_t joint, std::span<const double> coordinates) {
   const Branch moving = branch(joint);
   const JointDescription& description = scene_.joints()[joint];
   const ConstraintSet::Place& place = energies_.constraints.place(joint);
+  const auto present = state_.joint_coordinate.begin() + place.coordinate;
+  if (changed().empty() && std::ranges::equal(coordinates, std::span(present, coordinates.size()))) return;
   const auto rate = state_.joint_rate.begin() + place.coordinate;
   const std::vector<double> kept{rate, rate + static_cast<std::ptrdiff_t>(coordinates.size())};
   const std::vector<Transform> way = way_to(joint, moving.is_b, coordinates);
@@ -430,7 +432,10 @@ void Placing::put_joint(int32_t joint, std::span<const double> coordinates) {
 }
 
 void Placing::push_joint(int32_t joint, std::span<const double> rates) {
-  set_rates(joint, branch(joint), rates);
+  const Branch moving = branch(joint);
+  const auto present = state_.joint_rate.begin() + energies_.constraints.place(joint).coordinate;
+  if (changed().empty() && std::ranges::equal(rates, std::span(present, rates.size()))) return;
+  set_rates(joint, moving, rates);
 }
 
 }  // namespace stark

@@ -59,7 +59,7 @@ struct Readings<Diagnosis> {
       reading<&D::cause>(
           "cause",
           "'blocked_motion', 'overconstrained_pins', 'contradicting_joints', 'inverted_element', "
-          "'not_finite', 'singular_energy', 'tolerance_below_round_off', 'no_equilibrium', "
+          "'not_finite', 'singular_energy', 'rough_energy', 'tolerance_below_round_off', 'no_equilibrium', "
           "'thickness_overlap', 'unit_mistake', 'crushing_load', 'overload', 'detour', 'singular_system', "
           "'stiffness_contrast', 'iteration_budget', 'time_budget', 'unknown'."),
       reading<&D::finding>("finding", "What was found, with names, numbers and units."),
@@ -159,7 +159,7 @@ struct Readings<StepReport> {
           "energy",
           "Stored at the end of the step: kinetic, elastic, gravity, contact [J]. Turned over by the "
           "step: damping, friction (dissipated), external (work of scripted and pinned parts and of energies "
-          "that drive), "
+          "that drive or depend on the time), "
           "actuation (work of actuators), belts (work of the drives of moving surfaces), placed (given by "
           "placing bodies before the step), numerical (what closes the balance) [J]."),
       reading<&R::contact_energy_at_start>(

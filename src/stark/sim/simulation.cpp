@@ -10,6 +10,7 @@
 #include <stark/base/rotation.h>
 #include <stark/geometry/intersection.h>
 #include <stark/sim/contact_distance.h>
+#include <stark/sim/not_finite.h>
 #include <stark/sim/script_phase.h>
 #include <stark/sim/validation.h>
 
@@ -100,6 +101,7 @@ Simulation::Simulation(const Scene& scene, const Settings& settings, const std::
                                    *assembler_, *linear_solver_);
   between();
   check_energies();
+  require_finite_updates(scene_, *model_, energies_, site_positions(), settings_.time.step);
   check_joints();
   check_actuators();
   check_attachments();

@@ -236,6 +236,7 @@ class Simulation {
   void place_with(const std::function<void(Placing&)>& change);
   void require_free(BodyId body, const char* what) const;
   void check_energies();
+  void check_start(PotentialBatch& batch, std::span<const Vec3> x, const std::string& owner) const;
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;
   /// Takes the place of a constraint anew. Null: it cannot hold what it finds.

@@ -58,7 +58,20 @@ void Simulation::check_energies() {
                               "or a small offset");
       if (batch.potential().is_translation_invariant()) check_invariance(batch, element, where);
     }
+    check_start(batch, x, owner_text(scene_.energies()[k]));
   }
+}
+
+// Steps need an energy of the time at their end alone, but the ledger what it stores at the start, too.
+void Simulation::check_start(PotentialBatch& batch, std::span<const Vec3> x, const std::string& owner) const {
+  if (!depends_on_time(batch.potential())) return;
+  batch.set_time(settings_.time.step, 0.0);
+  const std::vector<double> energies = batch.evaluate(Order::Energy, x);
+  if (const int bad = first_not_finite(energies); bad >= 0)
+    throw InvalidArgument(owner + ": element " + std::to_string(bad) + " has an energy of " +
+                          to_text(energies[bad]) +
+                          " when the time is 0: must be finite; look for a division by the time or its "
+                          "logarithm, and guard it with a small offset");
 }
 
 void Simulation::check_invariance(const PotentialBatch& batch, std::span<const double> element,

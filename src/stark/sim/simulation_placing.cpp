@@ -24,9 +24,9 @@ const Placed& Simulation::placed() const { return parts_->placing.placed(); }
 
 void Simulation::end_placing() {
   if (!is_placing()) throw InvalidArgument("end_placing(): no bodies are placed; begin_placing() begins it");
-  parts_->placing.end(
+  const bool is_placed = parts_->placing.end(
       [&](std::span<const Vec3> x) { check_state_clear(state_, x, "where they are placed"); });
-  forget_last_step();
+  if (is_placed) forget_last_step();
 }
 
 void Simulation::place_with(const std::function<void(Placing&)>& change) {
@@ -58,6 +58,8 @@ void Simulation::place(BodyId body, const Vec3& position, const Mat3& rotation) 
   const std::string owner = "body '" + scene_.name(body) + "'";
   check_finite(owner, "position", position, "m");
   check_rotation(owner, rotation);
+  // The place of the mesh, as it is read: that of the centre would round.
+  if (position == this->position(body) && rotation == this->rotation(body)) return;
   const Mat3 turned = orthonormalized(rotation);
   place_with([&](Placing& placing) {
     placing.put_rigid(body.index, position + turned * b.centre, orthonormalized(turned * b.axes));

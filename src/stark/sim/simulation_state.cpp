@@ -99,6 +99,8 @@ void Simulation::forget_last_step() {
   set_places(energies_.constraints, model_->held_places(), held_places());
   const std::vector<Vec3> x = site_positions();
   for (PotentialBatch* batch : energies_.all_batches()) batch->set_previous(x);
+  for (int32_t k = 0; k < static_cast<int32_t>(scene_.energies().size()); ++k)  // as sensors see them
+    energies_.batches[model_->energy_batch({k})].batch.set_time(settings_.time.step, state_.time);
   set_internal(energies_, state_.internal_variable);
 }
 

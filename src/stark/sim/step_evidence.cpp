@@ -11,6 +11,8 @@
 #include <stark/sim/body_checks.h>
 #include <stark/sim/element_strain.h>
 #include <stark/sim/held_between.h>
+#include <stark/sim/not_finite.h>
+#include <stark/sim/rough_energies.h>
 #include <stark/sim/unit_checks.h>
 
 namespace stark {
@@ -134,37 +136,6 @@ void add_prescribed(const FailedStep& step, StepEvidence& out) {
       }
   }
   out.prescribed_arrived = !step.potential.has_pending_motion();
-}
-
-/// The first element of which an output, or what it would remember of the step, is not finite; -1: none.
-int64_t not_finite_element(const PotentialBatch& batch, std::span<const double> outputs,
-                           std::span<const Vec3> x) {
-  const auto first = [&](std::span<const double> values) -> int64_t {
-    const auto bad = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
-    if (bad == values.end()) return -1;
-    const size_t each = values.size() / static_cast<size_t>(batch.size());
-    return static_cast<int64_t>(static_cast<size_t>(bad - values.begin()) / each);
-  };
-  const int64_t element = first(outputs);
-  return element >= 0 ? element : first(batch.updated_internal(x));
-}
-
-void add_not_finite(const FailedStep& step, StepEvidence& out) {
-  const std::span<const Vec3> x = step.potential.site_positions();
-  for (const ModelBatch& batch : step.energies.batches) {
-    if (out.not_finite.size() >= kListed || batch.batch.size() == 0) continue;
-    const std::vector<double> values = batch.batch.evaluate(symbolic::Order::Gradient, x);
-    const int64_t element = not_finite_element(batch.batch, values, x);
-    if (element < 0) continue;
-    BodyVertices place{batch.owner.empty() ? batch.batch.potential().name() : "'" + batch.owner + "'"};
-    for (const int32_t site : batch.batch.stencil(element)) {
-      const int32_t body = body_of_site(step.model, site);
-      if (body < 0) continue;
-      if (batch.owner == step.scene.name(BodyId{body})) place.body = owner_of(step.scene, body);
-      place.vertices.push_back(site - step.model.bodies()[body].first_site);
-    }
-    out.not_finite.push_back(std::move(place));
-  }
 }
 
 /// Steepness of one element of an energy: its largest force on a point, and force over stiffness.
@@ -365,6 +336,8 @@ StepEvidence collect_evidence(const FailedStep& step) {
   add_rounding(step, hessian, evidence);
   add_stiffness_ratio(step, hessian, evidence);
   add_steep_energy(step, evidence);
+  evidence.acting = energies_acting(step, gradient);
+  evidence.rough = find_rough_energy(step, gradient);
   add_actuator(step, evidence);
   evidence.unit_suspicions = check_units(step.scene, step.settings);
   return evidence;

@@ -54,6 +54,22 @@ struct StepClock {
   double step = 0.0, time = 0.0;
 };
 
+/// A batch has another time as long as this lives; nothing to do where its energy does not use it.
+template <typename Batch>
+class AtTime {
+ public:
+  AtTime(Batch& batch, double time) : batch_(batch), clock_(law_of(batch)) {
+    batch_.set_time(clock_.step, time);
+  }
+  ~AtTime() { batch_.set_time(clock_.step, clock_.time); }
+  AtTime(const AtTime&) = delete;
+  AtTime& operator=(const AtTime&) = delete;
+
+ private:
+  Batch& batch_;
+  StepClock clock_;
+};
+
 /// The energy of a step of another length that ends at x.
 template <typename Batch>
 double energy_of_step(Batch& batch, double h, std::span<const Vec3> x) {
@@ -91,6 +107,11 @@ double stored(Batch& batch, std::span<const Vec3> x) {
 
 }  // namespace
 
+bool depends_on_time(const Potential& potential) {
+  return std::ranges::any_of(potential.uniform_fields(),
+                             [](const UniformField& field) { return field.name == "time"; });
+}
+
 StepLedger::StepLedger(const StepContext& context, const StepMotion& motion)
     : StepPart(context), motion_(motion) {
   const KinematicMap& map = model_.map();
@@ -104,17 +125,46 @@ StepLedger::StepLedger(const StepContext& context, const StepMotion& motion)
   }
   for (int32_t k = 0; k < static_cast<int32_t>(scene_.energies().size()); ++k)
     energies_of_users_.push_back(model_.energy_batch(EnergyId{k}));
+  const auto timed = [](const auto& parts) {
+    std::vector<int32_t> found;
+    for (size_t k = 0; k < parts.size(); ++k)
+      if (depends_on_time(potential_of(parts[k].batch))) found.push_back(static_cast<int32_t>(k));
+    return found;
+  };
+  timed_batches_ = timed(energies_.batches);
+  timed_quadrature_ = timed(energies_.quadrature);
+}
+
+EnergyLedger StepLedger::begin(std::span<const Vec3> x) {
+  const EnergyLedger before = stored_energies(x);
+  work_of_time_ = work_of_time(x);
+  return before;
+}
+
+double StepLedger::work_of_time(std::span<const Vec3> x) {
+  if (timed_batches_.empty() && timed_quadrature_.empty()) return 0.0;
+  const InternalOfState start(energies_, state_.internal_variable);
+  double total = 0.0;
+  const auto add = [&](auto& part) {
+    total += stored(part.batch, x) - stored_energy(part, x);
+    motion_.set_previous(part.batch);
+  };
+  for (const int32_t k : timed_batches_) add(energies_.batches[k]);
+  for (const int32_t k : timed_quadrature_) add(energies_.quadrature[k]);
+  return total;
 }
 
 // With the previous positions at x, dissipation potentials vanish and only what is stored is left.
 double StepLedger::stored_energy(ModelBatch& batch, std::span<const Vec3> x) {
   if (batch.role != ModelBatch::Role::Elastic) return 0.0;
+  const AtTime now(batch.batch, state_.time);
   const double energy = stored(batch.batch, x);
   motion_.set_previous(batch.batch);
   return energy;
 }
 
 double StepLedger::stored_energy(ModelQuadrature& elements, std::span<const Vec3> x) {
+  const AtTime now(elements.batch, state_.time);
   const double energy = stored(elements.batch, x);
   motion_.set_previous(elements.batch);
   return energy;
@@ -300,8 +350,8 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, std::span<const dou
   }
   ledger.damping = damping_work() + flow_dissipation();
   if (!motion_.reference().half_way.empty())
-    ledger.damping += before.elastic - elastic_energy(step_start_);  // lost in the first half
-  ledger.external = prescribed_work() + driven_work();
+    ledger.damping += before.elastic + work_of_time_ - elastic_energy(step_start_);  // in the first half
+  ledger.external = prescribed_work() + driven_work() + work_of_time_;
   for (size_t k = 0; k < model_.actuators().size(); ++k)
     if (state_.actuator_enabled[k] != 0.0)
       ledger.actuation += actuator_work(model_.actuators()[k], state_, coordinates_before);

@@ -10,6 +10,8 @@
 
 namespace stark {
 
+bool depends_on_time(const Potential& potential);
+
 class StepLedger : private StepPart {
  public:
   StepLedger(const StepContext& context, const StepMotion& motion);
@@ -19,6 +21,8 @@ class StepLedger : private StepPart {
   /// What the elements of one elastic batch store, 0 for others.
   double stored_energy(ModelBatch& batch, std::span<const Vec3> x);
   double stored_energy(ModelQuadrature& elements, std::span<const Vec3> x);
+  /// Stored energies at the start of a step whose times the batches have, for balance().
+  EnergyLedger begin(std::span<const Vec3> x);
   /// Completes the ledger of the step that has just been committed; `before`: stored energies at its start,
   /// where joints had the coordinates `coordinates_before`.
   EnergyLedger balance(const EnergyLedger& before, std::span<const double> coordinates_before);
@@ -31,6 +35,9 @@ class StepLedger : private StepPart {
   double damping_work();
   /// Of forces in energies of users that follow from no stored energy, as of wind.
   double driven_work();
+  /// What energies of the time gain as it goes on in the step, with sites at x, where it starts.
+  /// [theory eq. 27b]
+  double work_of_time(std::span<const Vec3> x);
   double friction_work(std::span<const Vec3> x);
   /// What the internal variables of all elements have dissipated; batches have those at the start of the
   /// step.
@@ -39,9 +46,11 @@ class StepLedger : private StepPart {
   double flow_dissipation(Batch& batch);
 
   const StepMotion& motion_;
-  std::vector<int32_t> centres_;            ///< sites at the centres of bodies
-  std::vector<int32_t> energies_of_users_;  ///< their batches
-  std::vector<int32_t> driven_;             ///< sites whose motion is prescribed, all of it or part
+  std::vector<int32_t> centres_;                           ///< sites at the centres of bodies
+  std::vector<int32_t> energies_of_users_;                 ///< their batches
+  std::vector<int32_t> timed_batches_, timed_quadrature_;  ///< whose energy depends on the time
+  double work_of_time_ = 0.0;                              ///< of the step under way [J]
+  std::vector<int32_t> driven_;  ///< sites whose motion is prescribed, all of it or part
 };
 
 }  // namespace stark

@@ -38,7 +38,8 @@ struct EnumNames<Caveat> {
 
 /// Energies stored at the end of a step and energies that the step turned over [J]. For every step
 ///   stored(end) - stored(start) = external + actuation + belts + restitution - damping - friction -
-///   numerical.
+///   numerical,
+/// where the start is the end of the step before, with what was placed in between.
 struct EnergyLedger {
   double kinetic = 0.0;    ///< of all free masses
   double elastic = 0.0;    ///< of elements and of users' energies
@@ -46,7 +47,7 @@ struct EnergyLedger {
   double contact = 0.0;    ///< barriers, whose stiffness is chosen anew in each step
   double damping = 0.0;    ///< dissipated in the step by material and mass damping
   double friction = 0.0;   ///< dissipated in the step
-  double external = 0.0;   ///< work of fixed, scripted and pinned parts and of driving energies in the step
+  double external = 0.0;   ///< work of prescribed parts, of energies that drive and of time in them
   double actuation = 0.0;  ///< work of actuators in the step, springs on coordinates included
   double belts = 0.0;      ///< work of the drives of moving surfaces in the step
   /// Given back in the step by restitution: what impacts before it had taken up, in contact that lost its

@@ -297,10 +297,11 @@ void StepRunner::report_friction() {
 
 void StepRunner::fail() {
   report_.diagnosis = diagnose();
-  // That iterations ran out is what this verdict says itself, and what is pressed by its own weight or speed
-  // is no obstacle.
+  // That iterations ran out, or that something is not finite, is what this verdict says itself, and what is
+  // pressed by its own weight or speed is no obstacle.
   const bool is_said =
       report_.diagnosis.cause == FailureCause::IterationBudget ||
+      report_.diagnosis.cause == FailureCause::NotFinite ||
       (report_.diagnosis.cause == FailureCause::CrushingLoad && report_.solve.status == SolveStatus::Blocked);
   const std::string cause = is_said ? "" : failure_of(report_.solve.status).cause;
   report_.message =
@@ -326,7 +327,7 @@ void StepRunner::predict(double h, const Configuration& start, bool hits_stop) {
     motion_.predict(h, full, full);
   else
     motion_.predict(h);
-  energies_before_ = ledger_.stored_energies(step_start_);
+  energies_before_ = ledger_.begin(step_start_);
   coordinates_before_ = state_.joint_coordinate;
   joints_.begin_actuators(h);
 }

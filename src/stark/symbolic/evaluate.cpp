@@ -70,9 +70,9 @@ double evaluate_node(const Node& n, const double* x, const InputValues& in) {
     case Op::Div:
       return x[0] / x[1];
     case Op::Min:
-      return x[0] < x[1] ? x[0] : x[1];
+      return std::isnan(x[0]) || x[0] < x[1] ? x[0] : x[1];
     case Op::Max:
-      return x[0] > x[1] ? x[0] : x[1];
+      return std::isnan(x[0]) || x[0] > x[1] ? x[0] : x[1];
     case Op::Pow:
       return std::pow(x[0], x[1]);
     case Op::Atan2:

@@ -86,10 +86,10 @@ bool fold_unary(Op op, double x, double& result) {
 bool fold_binary(Op op, double x, double y, double& result) {
   switch (op) {
     case Op::Min:
-      result = x < y ? x : y;
+      result = std::isnan(x) || x < y ? x : y;
       return true;
     case Op::Max:
-      result = x > y ? x : y;
+      result = std::isnan(x) || x > y ? x : y;
       return true;
     case Op::Pow:
       result = std::pow(x, y);

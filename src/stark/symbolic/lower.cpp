@@ -5,6 +5,7 @@
 #include <stark/base/error.h>
 #include <stark/symbolic/elementary.h>
 
+#include <cmath>
 #include <utility>
 
 namespace stark::symbolic {
@@ -150,6 +151,17 @@ class Lowering {
     return place == 0 ? builder_.mul_sub(a, b, c) : builder_.neg_mul_add(a, b, c);
   }
 
+  /// NaN of either operand propagates. The instruction passes on that of the second one alone, so a constant
+  /// comes first.
+  LowId lower_extreme(Code code, const Node& n, LowId a, LowId b) {
+    const auto is_number = [&](NodeId id) {
+      return graph_.node(id).op == Op::Constant && !std::isnan(graph_.node(id).value);
+    };
+    if (is_number(n.operands[0])) return builder_.emit(code, a, b);
+    if (is_number(n.operands[1])) return builder_.emit(code, b, a);
+    return builder_.select(builder_.emit(Code::LessEqual, a, a), builder_.emit(code, a, b), a);
+  }
+
   LowId lower_node(const Node& n) {
     ProgramBuilder& p = builder_;
     LowId x[3] = {-1, -1, -1};
@@ -198,9 +210,9 @@ class Lowering {
       case Op::Div:
         return p.div(x[0], x[1]);
       case Op::Min:
-        return p.emit(Code::Min, x[0], x[1]);
+        return lower_extreme(Code::Min, n, x[0], x[1]);
       case Op::Max:
-        return p.emit(Code::Max, x[0], x[1]);
+        return lower_extreme(Code::Max, n, x[0], x[1]);
       case Op::Pow:
         return expand_pow(p, x[0], x[1]);
       case Op::Atan2:

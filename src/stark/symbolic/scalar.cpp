@@ -4,6 +4,7 @@
 #include <stark/symbolic/expr.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 
 namespace stark::symbolic {
@@ -152,14 +153,16 @@ Scalar acos(const Scalar& a) { return apply(Op::Acos, a, "acos"); }
 Scalar atan(const Scalar& a) { return apply(Op::Atan, a, "atan"); }
 Scalar atan2(const Scalar& y, const Scalar& x) { return apply(Op::Atan2, y, x, "atan2"); }
 Scalar sinh(const Scalar& a) {
-  // Near zero the difference of exponentials cancels: sinh a = 2 t / (1 - t^2), t = tanh(a / 2).
+  // Near zero the difference of exponentials cancels: sinh a = 2 t / (1 - t^2), t = tanh(a / 2). Far away
+  // exp(a) is infinite before exp(a) / 2 is: e / 2 exp(a - 1), where a - 1 is exact.
   const Scalar t = tanh(0.5 * a);
-  const Scalar far = 0.5 * (exp(a) - exp(-a));
+  const Scalar far = 0.5 * std::numbers::e * (exp(a - 1.0) - exp(-a - 1.0));
   return select(abs(a) < 1.0, 2.0 * t / (1.0 - t * t), far);
 }
 Scalar cosh(const Scalar& a) {
   // The same for its derivative, with cosh a = (1 + t^2) / (1 - t^2).
-  const Scalar t = tanh(0.5 * a), far = 0.5 * (exp(a) + exp(-a));
+  const Scalar t = tanh(0.5 * a);
+  const Scalar far = 0.5 * std::numbers::e * (exp(a - 1.0) + exp(-a - 1.0));
   return select(abs(a) < 1.0, (1.0 + t * t) / (1.0 - t * t), far);
 }
 Scalar tanh(const Scalar& a) { return apply(Op::Tanh, a, "tanh"); }

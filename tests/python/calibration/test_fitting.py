@@ -341,3 +341,34 @@ def test_bad_input_is_refused(case: str) -> None:
     }
     with pytest.raises(stark.InvalidArgument, match=re.escape(text)):
         stark.fit(given.pop("law"), given.pop("curves"), **given)
+
+
+@stark.material
+def standard_solid(
+    F: stark.DeformationGradient,
+    h: stark.TimeStep,
+    mu: float = stark.parameter(1e4, unit="Pa", above=0.0),
+    branch: float = stark.parameter(1e4, unit="Pa", above=0.0),
+    tau: float = stark.parameter(0.05, unit="s", above=0.0),
+    bulk: float = stark.parameter(1e5, unit="Pa", above=0.0),
+    flow: stark.Mat3 = stark.internal(0.0),
+):
+    """A standard linear solid by implicit Euler: of first order in the time step."""
+    E = 0.5 * (F.T @ F - stark.identity(3))
+    r, trial, J = h / tau, E - flow, stark.determinant(F)
+    psi = mu * stark.squared_norm(E) + 0.5 * bulk * (J - 1.0) ** 2
+    return psi + branch / (1.0 + r) * stark.squared_norm(trial), {"flow": flow + r / (1.0 + r) * trial}
+
+
+def test_substeps_take_the_bias_out_of_fits_of_laws_of_first_order() -> None:
+    times = np.geomspace(0.01, 2.0, 40)
+    stress = 0.01 * (1e4 + 2e4 * np.exp(-times / 0.2))
+    off = {}
+    for substeps in (1, 10):
+        curve = curves.relaxation(times, stress, gamma=0.01, substeps=substeps)
+        found = stark.fit(standard_solid, curve, fixed={"bulk": 1e5})
+        off[substeps] = [abs(found["mu"] / 1e4 - 1.0), abs(found["branch"] / 2e4 - 1.0),
+                         abs(found["tau"] / 0.2 - 1.0)]  # fmt: skip
+    # docs/fitting.md states these.
+    assert max(off[1]) == pytest.approx(0.031, abs=0.0015)
+    assert max(off[10]) == pytest.approx(0.003, abs=0.0005)

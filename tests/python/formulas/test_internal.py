@@ -105,6 +105,82 @@ def test_what_a_law_returns_is_checked() -> None:
         stark.internal(np.nan)
 
 
+@pytest.mark.parametrize(
+    ("words", "update"),
+    [
+        ("a division by zero", lambda s, psi: s / 0.0),
+        ("the square root of -1", lambda s, psi: stark.sqrt(s - 1.0)),
+        ("the logarithm of 0", lambda s, psi: s + stark.log(psi)),
+    ],
+)
+def test_a_law_that_remembers_what_is_not_finite_at_rest_is_refused(words: str, update: Any) -> None:
+    @stark.material
+    def forgetful(
+        F: stark.DeformationGradient, mu: float = 1e5, seen: stark.Vec2 = stark.internal(0.0)
+    ) -> Any:
+        psi = 0.5 * mu * stark.squared_norm(F.T @ F - stark.identity(3))
+        first, second = seen
+        return psi * (1 + first), {"seen": stark.vec(first, update(second, psi))}  # seen line
+
+    with pytest.raises(stark.InvalidArgument) as raised:
+        forgetful(density=1000.0)
+    text = str(raised.value)
+    assert "forgetful: internal variable 'seen' is not finite after a first step at rest" in text
+    assert f"it comes from {words}" in text and __file__ in text, text
+
+
+def test_damage_dissipates_what_the_guide_says() -> None:
+    """limit (1 - exp(-W/limit)) - W exp(-W/limit) per volume, in a cycle to the energy W."""
+
+    @stark.material
+    def damage(
+        F: stark.DeformationGradient,
+        mu: float = 1e5,
+        bulk: float = 1e6,
+        limit: float = 5e4,
+        peak: float = stark.internal(0.0),
+    ) -> Any:
+        J = stark.determinant(F)
+        W = 0.5 * mu * (stark.trace(F.T @ F) * J ** (-2 / 3) - 3)
+        at_peak = stark.exp(-peak / limit)
+        loading = at_peak * peak + limit * (at_peak - stark.exp(-W / limit))
+        psi = stark.where(peak < W, loading, at_peak * W)
+        return psi + 0.5 * bulk * (J - 1) ** 2, {"peak": stark.maximum(W, peak)}
+
+    scene = stark.Scene()
+    mesh = stark.mesh.box_hexahedra(0.1, 1)
+    block = scene.add_solid(mesh, damage(density=1000.0), pins=range(8))
+    sim = stark.Simulation(scene, {"time.integrator": "quasistatic"}, time_step=STEP, gravity=(0, 0, 0))
+    lost = 0.0
+    for stretch in (1.1, 1.25, 1.5, 1.2, 1.0):
+        block.pin_targets = mesh.vertices[block.pins] * (stretch, 1, 1)
+        report = sim.step()
+        lost += report.energy["damping"]
+    W, limit = 0.5e5 * ((1.5**2 + 2) * 1.5 ** (-2 / 3) - 3), 5e4
+    exact = limit * (1 - np.exp(-W / limit)) - W * np.exp(-W / limit)
+    assert lost == pytest.approx(exact * 1e-3, rel=1e-9)
+    assert report.energy["elastic"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_start_that_leaves_nothing_to_remember_is_refused() -> None:
+    """At rest all is well, but the body starts in another shape."""
+
+    @stark.material
+    def forgetful(F: stark.DeformationGradient, mu: float = 1e5, left: float = stark.internal(0.0)) -> Any:
+        E = 0.5 * (F.T @ F - stark.identity(3))
+        return mu * (stark.squared_norm(E) + 1e-9 * left), {"left": stark.sqrt(0.3 - E[2, 2])}
+
+    for mesh in (stark.mesh.tet_box(0.1, 1), stark.mesh.box_hexahedra(0.1, 1)):
+        scene = stark.Scene()
+        scene.add_solid(
+            mesh, forgetful(density=1e3), name="block", initial_positions=mesh.vertices * (1, 1, 1.5)
+        )
+        with pytest.raises(stark.InvalidArgument) as raised:
+            stark.Simulation(scene)
+        assert "internal variable 'left' of law 'forgetful' is not finite" in str(raised.value)
+        assert "solid 'block' (vertices" in str(raised.value)
+
+
 def test_laws_of_rods_remember() -> None:
     """A rod that is pulled: the dashpot follows the stretch within the step, segment by segment."""
 

@@ -192,6 +192,18 @@ def test_every_quantity_of_the_stencils_is_checked_here() -> None:
         assert public == set(checked)
 
 
+def test_points_that_a_stencil_has_not_are_named_with_the_line() -> None:
+    @stark.energy
+    def beyond(t: stark.Triangle):
+        return t[3].x @ t[0].x
+
+    body = stark.Scene().add_cloth(stark.mesh.grid(1, 1, 1))
+    text = r"beyond: index 3 of <stark\.Triangle t>: it has 3 points, 0 to 2\n.*in beyond\n.*t\[3\]\.x"
+    for kind in (stark.TraceError, IndexError):
+        with pytest.raises(kind, match=text):
+            beyond(body.faces)
+
+
 def test_stencils_are_sequences_of_their_points() -> None:
     seen: list[Any] = []
 

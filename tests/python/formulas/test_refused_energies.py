@@ -159,6 +159,16 @@ def test_signatures_that_are_refused(arguments: str, words: str) -> None:
         defined(arguments)
 
 
+@stark.energy
+def magnet(p: stark.Point, centre: stark.Vec3):
+    return (p.x - centre) @ (p.x - centre)
+
+
+@stark.energy
+def upright(f: stark.Frame):
+    return 1.0 - f.z[2]
+
+
 OTHER = stark.Scene().add_cloth(stark.mesh.grid(1.0, 1.0, cells=2), name="other")
 
 BOUND = [
@@ -181,6 +191,10 @@ BOUND = [
     (lambda: SCENE.add(spring), ["spring is not bound to points", "scene.add(spring("]),
     (lambda: SCENE.add(CLOTH), ["must be an energy on points", "@stark.energy"]),
     (lambda: SCENE.add(spring(OTHER.edges)), ["'other' belongs to another scene"]),
+    (lambda: SCENE.add(magnet(CLOTH.mesh.vertices, centre=(0, 0, 1))), ["magnet: 'p' got 9 fixed points of the world, such as (-0.2, -0.2, 0) m", "which nothing moves", "scene['sheet'].vertices"]),
+    (lambda: SCENE.add(magnet((0, 0, 1), centre=(0, 0, 1))), ["magnet: 'p' got 1 fixed point of the world", "cloth.vertices or box.points(...)"]),
+    (lambda: SCENE.add(spring(((0, 0, 0), (0, 0, 1)))), ["spring: 'e' got fixed points", "points of a body"]),
+    (lambda: SCENE.add(upright(stark.world_frame())), ["upright: 'f' got", "which nothing moves"]),
     (lambda: P[[100]], ["out of bounds", "<9 points of 'sheet'>"]),
     (lambda: P[np.ones(8, bool)], ["<9 points of 'sheet'>"]),
     (lambda: stark.stencils(CLOTH, [0, 1]), ["shape (2,)", "(n, k)"]),

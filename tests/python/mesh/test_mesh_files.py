@@ -92,7 +92,7 @@ def test_saved_meshes_come_back_bit_by_bit(tmp_path: Path, original: mesh.Mesh) 
     assert type(loaded) is type(original)
     assert all(np.array_equal(getattr(loaded, name), array) for name, array in vars(original).items())
     with pytest.raises(stark.InvalidArgument, match=r"must end in \.npz"):
-        original.save(tmp_path / "a.obj")
+        original.save(tmp_path / "a.vtk")
 
 
 @pytest.mark.parametrize(

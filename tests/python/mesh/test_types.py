@@ -51,3 +51,9 @@ def test_compact_leaves_unused_vertices_out_and_keeps_the_shape() -> None:
     kept = mesh.compact(padded)
     assert np.array_equal(kept.vertices[kept.triangles], box.vertices[box.triangles])
     assert len(kept.vertices) == len(box.vertices)
+
+
+def test_tetrahedra_have_the_name_of_other_elements_too() -> None:
+    box = mesh.tet_box(0.1, 1)
+    assert box.elements is box.tets
+    assert box.vertices[box.elements].shape == (len(box.tets), 4, 3)

@@ -284,3 +284,29 @@ def test_a_saved_start_goes_on_with_the_same_bits(tmp_path: object) -> None:
     assert sim.state == placed
     advance(sim, 3)
     assert sim.state.hash == end
+
+
+def test_what_is_set_to_what_it_is_goes_on_as_it_was() -> None:
+    """A box that stands still by friction alone, and is put where it stands, does not begin to creep anew."""
+    scene = stark.Scene()
+    scene.default_friction = 0.5
+    scene.add_floor(2.0)
+    box = scene.add_box(0.1, mass=1.0, position=(0, 0, 0.0505), velocity=(0.5, 0, 0))
+    sheet = scene.add_cloth(stark.mesh.grid(0.2, 0.2, 3), position=(0.5, 0, 0.05))
+    door = scene.add_box(0.1, mass=1.0, position=(0, -0.5, 0.5), angular_velocity=(0, 0, 1))
+    hinge = scene.add_hinge(None, door, anchor=(0, -0.5, 0.5), axis=(0, 0, 1))
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.run_until(0.1)
+    before, contacts = sim.state, len(sim.contacts)
+    assert contacts > 0
+    box.position, box.rotation, box.velocity = box.position, box.rotation, box.velocity
+    box.pose, box.angular_velocity = box.pose, box.angular_velocity
+    sheet.positions, sheet.velocities = sheet.positions, sheet.velocities
+    hinge.angle, hinge.rates = hinge.angle, hinge.rates
+    with sim.placing():
+        box.pose = box.pose
+    assert sim.state == before and len(sim.contacts) == contacts
+    report = sim.step()
+    assert report.placed == [] and report.energy["placed"] == 0.0
+    box.position += np.array([0, 0, 1e-9])
+    assert sim.step().placed == [1]

@@ -71,6 +71,10 @@ def helper(v: sym.Vec) -> sym.Scalar:
     return sym.cross(v, (1.0, 2.0, 3.0))[0]  # here
 
 
+def beyond(x: sym.Vector[2]):
+    return x[0] * x[2]  # here
+
+
 def nested(x: sym.Vector[2]):
     return helper(x)
 
@@ -116,6 +120,7 @@ TRACED: list[tuple[Callable, str]] = [
     (root, r"float\(\) of the traced value \(x\[0\] \+ x\[1\]\).*stark\.sqrt"),
     (table, "used as an index or a count; only fixed integers"),
     (repeat, "used as an index or a count; only fixed integers"),
+    (beyond, "index 2 of Vec of 2: .*the first is 0"),
     (equality, "== or != of the traced value .*<= and >="),
     (rounding, "rounding has no derivative"),
     (numpy_rounding, r"np\.floor is not part of formulas"),

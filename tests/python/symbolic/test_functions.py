@@ -161,6 +161,39 @@ def test_sinh_keeps_its_digits_near_zero() -> None:
     np.testing.assert_allclose(compiled(sym.sinh, 1)(x), np.sinh(x), rtol=VALUE_TOLERANCE)
 
 
+@pytest.mark.parametrize("name", ["sinh", "cosh"])
+def test_hyperbolic_functions_reach_the_largest_numbers(name: str) -> None:
+    x = np.array([1.0, 1.5, 30.0, 700.0, 709.7, 709.79, 710.2, 710.475, 710.48, 800.0])
+    x = np.concatenate([x, -x])
+    f, exact = compiled(getattr(sym, name), 1), getattr(np, name)
+    slope = np.cosh if name == "sinh" else np.sinh
+    with np.errstate(over="ignore"):
+        np.testing.assert_allclose(f(x), exact(x), rtol=1e-15)
+        np.testing.assert_allclose(f.gradient(x), slope(x), rtol=1e-15)
+    assert np.isfinite(f([710.475])).all() and np.isinf(f([710.48])).all()
+
+
+@pytest.mark.parametrize("backend", ["automatic", "interpreter"])
+def test_nan_propagates_through_extremes_as_in_numpy(backend: str) -> None:
+    nan = np.nan
+    a, b = np.array([nan, 1.0, nan, 2.0, -0.5]), np.array([1.0, nan, nan, 1.0, 3.0])
+
+    def of(formula: Callable[..., object], count: int = 1) -> sym.Function:
+        graph = sym.Graph()
+        x = [sym.symbols(name, graph) for name in "xyz"[:count]]
+        return sym.compile(x, formula(*x), backend=backend)
+
+    for name in ("minimum", "maximum"):
+        traced, exact = getattr(sym, name), getattr(np, name)
+        np.testing.assert_array_equal(of(traced, 2)(a, b), exact(a, b))
+        np.testing.assert_array_equal(of(lambda x, t=traced: t(x, 1.0))(a), exact(a, 1.0))
+        np.testing.assert_array_equal(of(lambda x, t=traced: t(1.0, x))(a), exact(1.0, a))
+    clipped = of(lambda x: sym.clip(x, -1.0, 1.0))(a)
+    np.testing.assert_array_equal(clipped, np.clip(a, -1.0, 1.0))
+    three = of(sym.clip, 3)(a, -1.0, b)
+    np.testing.assert_array_equal(three, np.minimum(np.maximum(a, -1.0), b))
+
+
 def test_fused_multiply_add_rounds_once() -> None:
     x = 1.0 + 2.0**-30
     f = compiled(sym.fma, 3)
