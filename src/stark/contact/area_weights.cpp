@@ -19,6 +19,15 @@ constexpr double kSheetBorder = 0.5;
 /// Least part of a share that faces any normal: an edge of a sheet has no area across it.
 constexpr double kSmallestFacing = 0.1;
 
+/// Cosines of 20 and 5 degrees: what is turned by less lies flat on a face, what is turned by more meets its
+/// border.
+constexpr double kTilted = 0.9397, kLevel = 0.9962;
+
+double smooth_step(double t) {
+  t = std::clamp(t, 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
 /// Length of the vector area of a vertex over its area: 1 flat; sharp from here on, the corner of a box.
 constexpr double kSharpVertex = 0.6;
 
@@ -175,15 +184,15 @@ void AreaWeights::share_triangles(const SurfaceMesh& mesh, std::span<const Vec3>
       for (const auto& [v, area] : areas)
         of_vertex[of_patch->second.at(v)].push_back({p.largest, (1.0 - part) * area});
     }
-    for (const auto& [v, area] : inside) of_vertex[v].push_back({p.largest, part * area});
+    for (const auto& [v, area] : inside) of_vertex[v].push_back({p.largest, area, part});
     double of_border = inside.empty() ? part : 0.0;  // what its vertices have, and its edges in their place
     for (const int32_t v : inside.empty() ? std::set<int32_t>{} : vertices_of(border))
       of_border += part * inside.at(v) / p.area;
     for (const auto& [edge, l] : border) {
       for (const int32_t v : edge)
-        if (inside.empty()) of_vertex[v].push_back({p.largest, part * (0.5 * area_of(l))});
+        if (inside.empty()) of_vertex[v].push_back({p.largest, 0.5 * area_of(l), part});
       if (const auto e = edge_of.find(edge); e != edge_of.end())
-        of_edge[e->second].push_back({p.largest, of_border * area_of(l)});
+        of_edge[e->second].push_back({p.largest, area_of(l), of_border});
     }
     // A mesh of triangles has half as many vertices as triangles, one of quadrilaterals has as many.
     const int32_t group = mesh.triangle_group[p.largest];
@@ -292,7 +301,8 @@ double AreaWeights::area(const SurfaceMesh& mesh, const Shares& shares, int32_t 
   for (const Share& share : of_primitive) {
     const Vec3 a = area_vector(mesh.triangles[share.triangle], x);
     const double cosine = norm(a) > 0.0 ? dot(a, n) / norm(a) : 1.0;
-    (cosine > 0.0 ? front : back) += share.area * std::fabs(cosine);
+    const double lies_flat = smooth_step((std::fabs(cosine) - kTilted) / (kLevel - kTilted));
+    (cosine > 0.0 ? front : back) += share.area * (1.0 - (1.0 - share.flat) * lies_flat) * std::fabs(cosine);
   }
   return std::max({front, back, kSmallestFacing * shares.whole[i]});
 }

@@ -40,7 +40,8 @@ class AreaWeights {
   /// Part of a triangle's area, by its normal.
   struct Share {
     int32_t triangle;
-    double area;  ///< [m^2]
+    double area;        ///< [m^2]
+    double flat = 1.0;  ///< part of it against what lies flat on the face; samples have the rest
   };
   struct Shares {
     std::vector<int32_t> offsets;
