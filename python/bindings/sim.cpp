@@ -51,9 +51,8 @@ nb::list place_list(const Simulation& sim) {
 
 /// First number of a constraint in held_places, -1 if it holds nothing but what it was added with.
 int64_t first_held_place(const Simulation& sim, int32_t constraint) {
-  for (const HeldPlace& place : sim.model().held_places())
-    if (place.constraint == constraint) return place.first;
-  return -1;
+  const HeldPlace* place = sim.find_held_place(constraint);
+  return place ? place->first : -1;
 }
 
 nb::list part_list(const Simulation& sim) {

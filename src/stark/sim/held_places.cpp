@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include <stark/base/error.h>
+#include <stark/sim/joint_wrench.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {
@@ -14,14 +14,10 @@ using Carrier = FrameDescription::Carrier;
 
 bool holds_axes(const JointDescription& joint) { return joint.definition->name == "fixed"; }
 
-/// A frame of a constraint; axes that its formula does not ask for are those of the world.
-struct Frame {
-  Vec3 origin{};
-  Mat3 axes = Mat3::identity();
-};
-
-/// What the formula of an element knows of the four points of a frame, from `first` on.
-Frame frame_of_points(const ConstraintGroup& group, int64_t element, int first, std::span<const Vec3> x) {
+/// What the formula of an element knows of the four points of a frame, from `first` on; axes that it does not
+/// ask for are those of the world.
+JointFrame frame_of_points(const ConstraintGroup& group, int64_t element, int first,
+                           std::span<const Vec3> x) {
   std::array<Vec3, 4> p{};
   std::array<bool, 4> is_known{};
   const std::span<const int32_t> sites = group.batch.stencil(element);
@@ -31,22 +27,9 @@ Frame frame_of_points(const ConstraintGroup& group, int64_t element, int first, 
     p[point] = x[sites[k]];
     is_known[point] = true;
   }
-  Frame frame{.origin = p[0]};
+  JointFrame frame{.origin = p[0], .axes = Mat3::identity()};
   if (is_known[1] && is_known[3]) frame.axes = Mat3::from_columns(p[1], cross(p[3], p[1]), p[3]);
   return frame;
-}
-
-/// Frame a where it is carried by three vertices (mechanics/joint.h, kPatchNumbers).
-Frame frame_on_patch(const ConstraintGroup& group, int64_t element, std::span<const Vec3> x) {
-  const std::span<const int32_t> sites = group.batch.stencil(element);
-  const std::array<Vec3, 3> p{x[sites[0]], x[sites[1]], x[sites[2]]};
-  const int field = group.batch.field_index("placement_a");
-  const auto number = [&](int i) { return group.batch.get(field, element, i); };
-  const Vec3 tangent = normalized(p[1] - p[0]), normal = normalized(cross(p[1] - p[0], p[2] - p[0]));
-  Mat3 local;
-  for (int i = 0; i < 9; ++i) local.m[i] = number(4 + i);
-  return {.origin = p[0] * number(0) + p[1] * number(1) + p[2] * number(2) + normal * number(3),
-          .axes = Mat3::from_columns(tangent, cross(normal, tangent), normal) * local};
 }
 
 }  // namespace
@@ -65,9 +48,12 @@ std::vector<double> find_place(const ConstraintSet& constraints, const HeldPlace
                                std::span<const Vec3> x) {
   const auto& [index, element, residual, coordinate] = constraints.place(place.constraint);
   const ConstraintGroup& group = constraints.groups()[index];
-  const bool a_is_patch = group.joint->kind_a() == FrameKind::Patch;
-  const Frame a = a_is_patch ? frame_on_patch(group, element, x) : frame_of_points(group, element, 0, x);
-  const Frame b = frame_of_points(group, element, frame_point_count(group.joint->kind_a()), x);
+  const std::span<const int32_t> sites = group.batch.stencil(element);
+  const JointFrame a =
+      group.joint->kind_a() == FrameKind::Patch
+          ? frame_on_patch(group, element, "placement_a", {x[sites[0]], x[sites[1]], x[sites[2]]})
+          : frame_of_points(group, element, 0, x);
+  const JointFrame b = frame_of_points(group, element, frame_point_count(group.joint->kind_a()), x);
   const Vec3 position = transpose(b.axes) * (a.origin - b.origin);
   std::vector<double> numbers{position.x, position.y, position.z};
   if (!place.has_axes) return numbers;

@@ -22,11 +22,21 @@ Vec3 origin_of_b(const ConstraintGroup& group, int64_t element, int first, bool 
     return p[0] + p[1] * number(0) + p[2] * number(1) + p[3] * number(2);
   if (!is_patch) return p.empty() ? Vec3{} : p.front();
   if (p.size() < 3) return {};
-  const Vec3 normal = normalized(cross(p[1] - p[0], p[2] - p[0]));
-  return p[0] * number(0) + p[1] * number(1) + p[2] * number(2) + normal * number(3);
+  return frame_on_patch(group, element, "placement_b", {p[0], p[1], p[2]}).origin;
 }
 
 }  // namespace
+
+JointFrame frame_on_patch(const ConstraintGroup& group, int64_t element, const std::string& placement,
+                          const std::array<Vec3, 3>& p) {
+  const int field = group.batch.field_index(placement);
+  const auto number = [&](int i) { return group.batch.get(field, element, i); };
+  const Vec3 tangent = normalized(p[1] - p[0]), normal = normalized(cross(p[1] - p[0], p[2] - p[0]));
+  Mat3 local;
+  for (int i = 0; i < 9; ++i) local.m[i] = number(4 + i);
+  return {.origin = p[0] * number(0) + p[1] * number(1) + p[2] * number(2) + normal * number(3),
+          .axes = Mat3::from_columns(tangent, cross(normal, tangent), normal) * local};
+}
 
 Wrench joint_wrench(const JointDescription& description, const ConstraintSet& constraints, int32_t joint,
                     std::span<const Vec3> x) {

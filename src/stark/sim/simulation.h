@@ -183,6 +183,8 @@ class Simulation {
   void hold_pairs_here(AttachmentId attachment, std::span<const int32_t> pairs);
   /// Releases some pairs of an attachment.
   void release_pairs(AttachmentId attachment, std::span<const int32_t> pairs);
+  /// Where the place of a constraint is in held_places(); null: it cannot hold what it finds.
+  const HeldPlace* find_held_place(int32_t constraint) const;
   /// Where side a is on the carriers of side b, of all constraints that can hold what they find.
   const std::vector<double>& held_places() const {
     return state_.held_place.empty() ? model_->initial_places() : state_.held_place;
@@ -239,9 +241,8 @@ class Simulation {
   void check_start(PotentialBatch& batch, std::span<const Vec3> x, const std::string& owner) const;
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;
-  /// Takes the place of a constraint anew. Null: it cannot hold what it finds.
-  const HeldPlace* find_held_place(int32_t constraint) const;
-  void take_place(const HeldPlace& place);
+  /// Takes the place of a constraint anew, with sites at x.
+  void take_place(const HeldPlace& place, std::span<const Vec3> x);
   void check_joints();
   void check_actuators();
   void check_attachments();

@@ -91,8 +91,9 @@ void Simulation::hold_pairs_here(AttachmentId id, std::span<const int32_t> pairs
       throw InvalidArgument(owner + ": pair " + std::to_string(pair) +
                             " has broken: it cannot hold anything any more; rewind, or leave it out");
   }
+  const std::vector<Vec3> x = site_positions();
   for (const int32_t pair : pairs) {
-    take_place(*find_held_place(place.first_constraint + pair));
+    take_place(*find_held_place(place.first_constraint + pair), x);
     parts_->joints.set_attachment_status(place, pair, kHeld);
   }
 }

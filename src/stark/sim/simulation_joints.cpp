@@ -111,9 +111,9 @@ const HeldPlace* Simulation::find_held_place(int32_t constraint) const {
   return place != places.end() && place->constraint == constraint ? &*place : nullptr;
 }
 
-void Simulation::take_place(const HeldPlace& place) {
+void Simulation::take_place(const HeldPlace& place, std::span<const Vec3> x) {
   if (state_.held_place.empty()) state_.held_place = model_->initial_places();
-  const std::vector<double> numbers = find_place(energies_.constraints, place, site_positions());
+  const std::vector<double> numbers = find_place(energies_.constraints, place, x);
   std::ranges::copy(numbers, state_.held_place.begin() + place.first);
   const ConstraintSet::Place& at = energies_.constraints.place(place.constraint);
   set_place(energies_.constraints.groups()[at.group].batch, at.element, numbers);
@@ -132,7 +132,7 @@ void Simulation::hold_joint_here(JointId joint) {
     throw InvalidArgument(owner_text(description) +
                           " has broken: it cannot hold anything any more; rewind, or "
                           "add another joint");
-  take_place(*place);
+  take_place(*place, site_positions());
   set_joint_enabled(joint, true);
 }
 
