@@ -55,7 +55,7 @@ void add_edge_edge(const Bvh& bvh, const Cell& a, const Cell& b, Pairs& out) {
 // Owned points of `a` against the edge without triangles of `b`.
 template <typename Extent>
 void add_point_edge(const Bvh& bvh, const Cell& a, const Cell& b, Pairs& out) {
-  if (a.point_count == 0 || b.edge_count == 0) return;  // the second: of a sample
+  if (a.point_count == 0) return;
   const Extent box = bvh.cell_extent<Extent>(b);
   for (int k = 0; k < a.point_count; ++k) {
     const int32_t v = a.points[k];

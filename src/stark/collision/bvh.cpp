@@ -124,13 +124,6 @@ void Bvh::make_cells(int32_t group_count) {
     cells.push_back(cell);
     groups.push_back(mesh_.vertex_group[v]);
   }
-  for (const auto& [v, triangle, beside] : mesh_.samples) {
-    Cell cell;  // no point(), which would meet others
-    cell.vertices = {v, beside, beside};
-    own_vertex(cell, v);
-    cells.push_back(cell);
-    groups.push_back(mesh_.vertex_group[v]);
-  }
   points_.clear();
   for (int32_t v = 0; v < mesh_.vertex_count; ++v) {
     if (owned[v]) points_.push_back(v);

@@ -54,17 +54,6 @@ void validate(const SurfaceMesh& mesh, int32_t group_count) {
   };
   check_primitives(mesh.edges, mesh.edge_group, mesh, "edge");
   check_primitives(mesh.triangles, mesh.triangle_group, mesh, "triangle");
-  for (const auto& [v, triangle, beside] : mesh.samples) {
-    const auto count = static_cast<int32_t>(mesh.triangles.size());
-    const bool is_valid = v >= 0 && v < mesh.vertex_count && triangle >= 0 && triangle < count &&
-                          beside >= 0 && beside < mesh.vertex_count &&
-                          mesh.vertex_group[v] == mesh.triangle_group[triangle] &&
-                          mesh.vertex_group[v] == mesh.vertex_group[beside];
-    if (!is_valid)
-      throw_mesh("sample " + std::to_string(v) + " of triangle " + std::to_string(triangle) +
-                 " beside vertex " + std::to_string(beside) +
-                 " names what is not there, or another group; a sample moves with its face");
-  }
   for (const int32_t group : mesh.edge_group) check_group(group);
   for (const int32_t group : mesh.triangle_group) check_group(group);
   for (const int32_t v : mesh.points) {

@@ -12,16 +12,9 @@ namespace stark {
 /// triangle is a collision point unless it is `inner`; `points` adds vertices that belong to neither
 /// (particles). Vertices inside solids are simply not named.
 struct SurfaceMesh {
-  /// A collision point of no other primitive inside a flat face, which moves as one: of a triangle of the
-  /// face, and of the vertex of its border whose part of the pressure it shares.
-  struct Sample {
-    int32_t vertex = 0, triangle = 0, beside = 0;
-  };
-
   int32_t vertex_count = 0;
   std::vector<int32_t> points;  // vertices without edges or triangles; others may be listed, too
   std::vector<int32_t> inner;   // vertices of triangles that are no collision points: inside flat faces
-  std::vector<Sample> samples;
   std::vector<Index2> edges;
   std::vector<Index3> triangles;
   std::vector<int32_t> vertex_group, edge_group, triangle_group;  // collision group (body) of each primitive

@@ -19,15 +19,6 @@ constexpr double kSheetBorder = 0.5;
 /// Least part of a share that faces any normal: an edge of a sheet has no area across it.
 constexpr double kSmallestFacing = 0.1;
 
-/// Cosines of 20 and 5 degrees: what is turned by less lies flat on a face, what is turned by more meets its
-/// border.
-constexpr double kTilted = 0.9397, kLevel = 0.9962;
-
-double smooth_step(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
-
 /// Length of the vector area of a vertex over its area: 1 flat; sharp from here on, the corner of a box.
 constexpr double kSharpVertex = 0.6;
 
@@ -77,66 +68,20 @@ std::set<int32_t> vertices_of(const std::vector<std::pair<Index2, double>>& bord
   return vertices;
 }
 
-/// Area of each vertex of a patch of several triangles with vertices inside that may touch. Empty if there are
-/// none.
+/// Area of each vertex of a patch of several triangles with vertices inside that may touch: a third of those
+/// of its triangles. Empty if there are none.
 std::map<int32_t, double> areas_inside(const Patch& patch, const SurfaceMesh& mesh,
-                                       std::span<const Vec3> rest,
-                                       const std::vector<std::pair<Index2, double>>& border,
+                                       std::span<const Vec3> rest, const std::set<int32_t>& on_border,
                                        const std::vector<bool>& is_left_out) {
   if (patch.triangles.size() == 1) return {};
-  const std::set<int32_t> on_border = vertices_of(border);
   std::map<int32_t, double> areas;
   bool has_inside = false;
   for (const int32_t t : patch.triangles)
-    for (int k = 0; k < 3; ++k) {
-      const int32_t v = mesh.triangles[t][k];
+    for (const int32_t v : mesh.triangles[t]) {
       areas[v] += norm(area_vector(mesh.triangles[t], rest)) / 3.0;
       has_inside = has_inside || (!on_border.contains(v) && !is_left_out[v]);
     }
   return has_inside ? areas : std::map<int32_t, double>{};
-}
-
-/// Points along each edge of a triangle over which distances are averaged.
-constexpr int kFineParts = 8;
-
-/// Mean distance of the points of a patch from a centre [m].
-double mean_distance(const Patch& patch, const SurfaceMesh& mesh, std::span<const Vec3> rest,
-                     const Vec3& centre) {
-  double mean = 0.0;
-  for (const int32_t t : patch.triangles) {
-    const auto& [i, j, k] = mesh.triangles[t];
-    const Vec3 u = (rest[j] - rest[i]) / kFineParts, v = (rest[k] - rest[i]) / kFineParts;
-    double sum = 0.0;
-    for (int a = 0; a < kFineParts; ++a)
-      for (int b = 0; b < kFineParts - a; ++b) {
-        const Vec3 corner = rest[i] + u * a + v * b - centre;
-        sum += norm(corner + (u + v) / 3.0);
-        if (a + b < kFineParts - 1) sum += norm(corner + (u + v) * (2.0 / 3.0));
-      }
-    mean += norm(area_vector(mesh.triangles[t], rest)) / patch.area * sum / (kFineParts * kFineParts);
-  }
-  return mean;
-}
-
-/// Part of the area of a face that the vertices of its border, with these areas, keep from the samples beside
-/// them, so that sliding about an axis across it takes the torque of an even pressure.
-double vertex_part(const Patch& patch, const SurfaceMesh& mesh, std::span<const Vec3> rest,
-                   const std::map<int32_t, double>& areas, const std::map<int32_t, int32_t>& samples) {
-  constexpr double kLeast = 0.05, kMost = 0.95;
-  Vec3 centre;
-  for (const int32_t t : patch.triangles) {
-    const auto& [i, j, k] = mesh.triangles[t];
-    centre +=
-        (rest[i] + rest[j] + rest[k]) * (norm(area_vector(mesh.triangles[t], rest)) / (3.0 * patch.area));
-  }
-  double of_samples = 0.0, of_vertices = 0.0;  // mean distances from the centre [m]
-  for (const auto& [v, area] : areas) {
-    of_vertices += area / patch.area * norm(rest[v] - centre);
-    of_samples += area / patch.area * norm(rest[samples.at(v)] - centre);
-  }
-  const double between = of_vertices - of_samples;
-  if (!(between > 0.0)) return kMost;
-  return std::clamp((mean_distance(patch, mesh, rest, centre) - of_samples) / between, kLeast, kMost);
 }
 
 }  // namespace
@@ -162,37 +107,27 @@ void AreaWeights::share_triangles(const SurfaceMesh& mesh, std::span<const Vec3>
   cell_area_.assign(groups, 0.0);
   std::vector<bool> is_left_out(mesh.vertex_count, false);
   for (const int32_t v : mesh.inner) is_left_out[v] = true;
-  std::map<int32_t, std::map<int32_t, int32_t>> samples;  // by patch: by vertex of its border
-  for (const auto& [v, t, beside] : mesh.samples) samples[patch.empty() ? t : patch[t]][beside] = v;
   for (const Patch& p : collect_patches(mesh, rest, patch)) {
     if (p.triangles.empty()) continue;
     const auto border = border_of(p, mesh, rest);
     double length = 0.0;
     for (const auto& [edge, l] : border) length += l;
     const bool is_triangle = p.triangles.size() == 1;
-    const std::map<int32_t, double> inside = areas_inside(p, mesh, rest, border, is_left_out);
-    const auto area_of = [&](double l) {
-      return p.area * (is_triangle || !(length > 0.0) ? 1.0 / border.size() : l / length);
-    };
-    double part = 1.0;  // of the vertices, the rest is of samples
-    if (const auto of_patch = samples.find(patch.empty() ? p.largest : patch[p.largest]);
-        of_patch != samples.end()) {
-      std::map<int32_t, double> areas;
-      for (const auto& [edge, l] : border)
-        for (const int32_t v : edge) areas[v] += 0.5 * area_of(l);
-      part = vertex_part(p, mesh, rest, areas, of_patch->second);
-      for (const auto& [v, area] : areas)
-        of_vertex[of_patch->second.at(v)].push_back({p.largest, (1.0 - part) * area});
+    const std::set<int32_t> on_border = is_triangle ? std::set<int32_t>{} : vertices_of(border);
+    const std::map<int32_t, double> inside = areas_inside(p, mesh, rest, on_border, is_left_out);
+    double of_border =
+        inside.empty() ? 1.0 : 0.0;  // part that its vertices have, and its edges in their place
+    for (const auto& [v, area] : inside) {
+      of_vertex[v].push_back({p.largest, area});
+      if (on_border.contains(v)) of_border += area / p.area;
     }
-    for (const auto& [v, area] : inside) of_vertex[v].push_back({p.largest, area, part});
-    double of_border = inside.empty() ? part : 0.0;  // what its vertices have, and its edges in their place
-    for (const int32_t v : inside.empty() ? std::set<int32_t>{} : vertices_of(border))
-      of_border += part * inside.at(v) / p.area;
     for (const auto& [edge, l] : border) {
+      const double area =
+          of_border * p.area * (is_triangle || !(length > 0.0) ? 1.0 / border.size() : l / length);
       for (const int32_t v : edge)
-        if (inside.empty()) of_vertex[v].push_back({p.largest, 0.5 * area_of(l), part});
+        if (inside.empty()) of_vertex[v].push_back({p.largest, 0.5 * area});
       if (const auto e = edge_of.find(edge); e != edge_of.end())
-        of_edge[e->second].push_back({p.largest, area_of(l), of_border});
+        of_edge[e->second].push_back({p.largest, area});
     }
     // A mesh of triangles has half as many vertices as triangles, one of quadrilaterals has as many.
     const int32_t group = mesh.triangle_group[p.largest];
@@ -301,8 +236,7 @@ double AreaWeights::area(const SurfaceMesh& mesh, const Shares& shares, int32_t 
   for (const Share& share : of_primitive) {
     const Vec3 a = area_vector(mesh.triangles[share.triangle], x);
     const double cosine = norm(a) > 0.0 ? dot(a, n) / norm(a) : 1.0;
-    const double lies_flat = smooth_step((std::fabs(cosine) - kTilted) / (kLevel - kTilted));
-    (cosine > 0.0 ? front : back) += share.area * (1.0 - (1.0 - share.flat) * lies_flat) * std::fabs(cosine);
+    (cosine > 0.0 ? front : back) += share.area * std::fabs(cosine);
   }
   return std::max({front, back, kSmallestFacing * shares.whole[i]});
 }

@@ -1,14 +1,13 @@
 // How much surface a contact stands for, so that pressure times area is the same on every mesh (step phase
 // 4b).
 //
-// Triangles give a third of their rest area to each vertex and edge. Flat faces of rigid bodies are what is
-// left of them: those without vertices inside give theirs to the vertices of their border by length, or to
-// these and a point in each triangle so that turning about the normal meets the friction of an even pressure;
-// all of it goes to the edges of the border, too. What counts against a normal n is the part of the share
-// that faces it, max(sum a_t (n_t . n)+, sum a_t (n_t . n)-): at the corner of a box on a floor a quarter of
-// its lower face. Sheets and rods have the whole share whatever the normal. Two surfaces see each place from
-// both sides; the finer mesh integrates: side A has the part s_A = l_B^8 / (l_A^8 + l_B^8) with the lengths l
-// of the meshes, half for equal ones. Pairs of edges have theirs whatever the surfaces' shape; how near they
+// Triangles give a third of their rest area to each vertex and edge, so do flat faces of rigid bodies that
+// have vertices inside, whose border edges share what its vertices have. Faces without give theirs to the
+// vertices and edges of their border, by length. What counts against a normal n is the part of the share that
+// faces it, max(sum a_t (n_t . n)+, sum a_t (n_t . n)-): at the corner of a box on a floor a quarter of its
+// lower face. Sheets and rods have the whole share whatever the normal. Two surfaces see each place from both
+// sides; the finer mesh integrates: side A has the part s_A = l_B^8 / (l_A^8 + l_B^8) with the lengths l of
+// the meshes, half for equal ones. Pairs of edges have theirs whatever the surfaces' shape; how near they
 // must be depends on it (edge_ranges.h). [theory eq. 16a, 16b; Li et al. 2023, section 4.1]
 #pragma once
 
@@ -40,8 +39,7 @@ class AreaWeights {
   /// Part of a triangle's area, by its normal.
   struct Share {
     int32_t triangle;
-    double area;        ///< [m^2]
-    double flat = 1.0;  ///< part of it against what lies flat on the face; samples have the rest
+    double area;  ///< [m^2]
   };
   struct Shares {
     std::vector<int32_t> offsets;

@@ -80,7 +80,8 @@ FrictionSet::FrictionSet(const FrictionPotentials& potentials, double stick_disp
 
 void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std::span<const Vec3> x,
                              DisplacementReference reference) {
-  if (mesh_ != &mesh) carriers_ = FrictionCarriers(mesh, rigid_sites_);
+  if (mesh_ != &mesh)
+    carriers_ = FrictionCarriers(mesh, rigid_sites_, FrictionLevers(mesh, lever_sites_, patch_));
   mesh_ = &mesh;
   memory_ = std::move(memory);
   x_start_.assign(x.begin(), x.end());
@@ -99,7 +100,7 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
             .force = norm(force)};
   pair.is_anisotropic = mu.is_anisotropic();
   if (pair.is_anisotropic) set_axes(mu, x, pair);
-  pair.drift = drift(contact, pair.normal, x);
+  pair.drift = drift(contact, pair.normal, x, pair.stencil.shift);
   const int64_t known = find_bristles(contact, x);
   const Pair* before = find(contact.key);
   if (resets_ > 0 && before != nullptr && before->modelled) {
@@ -128,9 +129,7 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
 
 int64_t FrictionSet::find_bristles(const Contact& contact, std::span<const Vec3> x) const {
   const int64_t own = memory_.find(contact.key);
-  if (own >= 0) return own;
-  if (contact.key.kind == PairKind::EdgeEdge) return find_bristles_at_corners(contact.key);
-  if (contact.key.kind != PairKind::PointTriangle) return -1;
+  if (own >= 0 || contact.key.kind != PairKind::PointTriangle) return own;
   const auto normal = [&](const Index3& t) {
     return normalized(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
   };
@@ -145,19 +144,8 @@ int64_t FrictionSet::find_bristles(const Contact& contact, std::span<const Vec3>
   return -1;
 }
 
-// Where corners of two rigid bodies meet, which of their edges is named is a matter of rounding.
-int64_t FrictionSet::find_bristles_at_corners(const PairKey& key) const {
-  const std::vector<int32_t> of_second = carriers_.edges_beside(*mesh_, key.second);
-  if (of_second.empty()) return -1;
-  for (const int32_t first : carriers_.edges_beside(*mesh_, key.first)) {
-    const auto [begin, end] = memory_.of_first({PairKind::EdgeEdge, first});
-    for (int64_t k = begin; k < end; ++k)
-      if (std::ranges::count(of_second, unpack(memory_.pair[k]).second) > 0) return k;
-  }
-  return -1;
-}
-
-Vec3 FrictionSet::drift(const Contact& contact, const Vec3& normal, std::span<const Vec3> x) const {
+Vec3 FrictionSet::drift(const Contact& contact, const Vec3& normal, std::span<const Vec3> x,
+                        const Vec3& shift) const {
   if (moving_.empty()) return {};
   // Displacements that are differences of places are chords of what turns; those of bdf2 are velocities.
   const bool is_chord = reference_.scale == 1.0;
@@ -165,7 +153,7 @@ Vec3 FrictionSet::drift(const Contact& contact, const Vec3& normal, std::span<co
   for (const bool is_a : {true, false}) {
     const int first = is_a ? 0 : contact.side_a_count,
               end = is_a ? contact.side_a_count : contact.point_count;
-    Vec3 point;
+    Vec3 point = shift;
     for (int p = first; p < end; ++p) point += x[contact.sites[p]] * std::fabs(contact.weights[p]);
     const int32_t group = mesh_->vertex_group[contact.sites[first]];
     way += moving_.way(group, point, x, reference_.duration, is_chord) * (is_a ? 1.0 : -1.0);
@@ -427,7 +415,8 @@ std::map<PairKey, FrictionSet::PairMotion> FrictionSet::motions(std::span<const 
     motions[pair.contact.key] = {.force = force(pair, x) * sign,
                                  .motion = motion * sign,
                                  .contact = pair.contact,
-                                 .normal = pair.normal};
+                                 .normal = pair.normal,
+                                 .stencil = pair.stencil};
   }
   return motions;
 }

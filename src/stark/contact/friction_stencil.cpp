@@ -58,18 +58,16 @@ FrictionStencil closest_points(const Contact& contact) {
   return stencil;
 }
 
-FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> rigid_sites)
+FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> rigid_sites,
+                                   FrictionLevers levers)
     : rigid_sites_(std::move(rigid_sites)),
       triangles_of_edge_(mesh.edges.size(), {-1, -1}),
-      triangle_of_vertex_(mesh.vertex_count, -1) {
+      triangle_of_vertex_(mesh.vertex_count, -1),
+      levers_(std::move(levers)) {
   std::vector<std::pair<Index2, int32_t>> edges;
   for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e)
     edges.push_back({sorted(mesh.edges[e][0], mesh.edges[e][1]), e});
   std::ranges::sort(edges);
-  for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e)
-    for (const int32_t v : mesh.edges[e])
-      if (is_rigid(v)) edges_of_vertex_.push_back({v, e});
-  std::ranges::sort(edges_of_vertex_);
   for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t)
     for (int k = 0; k < 3; ++k) {
       const int32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
@@ -79,16 +77,6 @@ FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> ri
       Index2& both = triangles_of_edge_[edge->second];
       (both[0] < 0 ? both[0] : both[1]) = t;
     }
-  for (const SurfaceMesh::Sample& sample : mesh.samples) triangle_of_vertex_[sample.vertex] = sample.triangle;
-}
-
-std::vector<int32_t> FrictionCarriers::edges_beside(const SurfaceMesh& mesh, int32_t edge) const {
-  std::vector<int32_t> beside;
-  for (const int32_t v : mesh.edges[edge])
-    for (auto e = std::ranges::lower_bound(edges_of_vertex_, Index2{v, 0});
-         e != edges_of_vertex_.end() && (*e)[0] == v; ++e)
-      beside.push_back((*e)[1]);
-  return beside;
 }
 
 int32_t FrictionCarriers::triangle_at_edge(const SurfaceMesh& mesh, int32_t edge, const Vec3& gap,
@@ -142,6 +130,14 @@ FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, 
   return {of(at_vertex(key.first)), {key.second, -1}};
 }
 
+std::optional<LeverArm> FrictionCarriers::arm_of(const SurfaceMesh& mesh, const Contact& contact,
+                                                 const Index3& triangle, const Vec3& normal,
+                                                 std::span<const Vec3> x) const {
+  if (levers_.empty() || contact.key.kind != PairKind::PointTriangle || !is_rigid(triangle[0]))
+    return std::nullopt;
+  return levers_.arm(mesh, contact, contact.key.second, normal, x);
+}
+
 FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact& contact,
                                           std::span<const Vec3> x) const {
   const Carrier carrier = carrier_of(mesh, contact, x);
@@ -152,12 +148,18 @@ FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact
   FrictionStencil stencil{.facing = frame.normal};
   Vec3 point;         // of friction, on the other side
   double side = 0.0;  // 1 where that is A, -1 where it is B
+  const std::optional<LeverArm> arm = arm_of(mesh, contact, triangle, frame.normal, x);
   for (int p = 0; p < contact.point_count; ++p) {
     const int32_t site = contact.sites[p];
     if (site != carrier.other[0] && site != carrier.other[1]) continue;
-    add(stencil, site, contact.weights[p], {});
-    point += x[site] * contact.weights[p];
-    side += contact.weights[p];
+    const double weight = contact.weights[p], moved = arm ? weight * arm->part : 0.0;
+    if (moved != weight) add(stencil, site, weight - moved, {});
+    point += x[site] * weight;
+    side += weight;
+    if (!arm) continue;
+    add(stencil, arm->site, moved, {});
+    stencil.shift = (x[arm->site] - x[site]) * arm->part;
+    point += stencil.shift * weight;
   }
   side = side > 0.0 ? 1.0 : -1.0;
   const Vec3 from_centre = point * side - frame.centre;

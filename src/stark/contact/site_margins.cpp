@@ -16,7 +16,6 @@ constexpr double kCube = 0.577;
 
 std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
   std::vector<int32_t> sites(mesh.points);
-  for (const SurfaceMesh::Sample& sample : mesh.samples) sites.push_back(sample.vertex);
   for (const Index2& edge : mesh.edges) sites.insert(sites.end(), edge.begin(), edge.end());
   for (const Index3& triangle : mesh.triangles) sites.insert(sites.end(), triangle.begin(), triangle.end());
   std::ranges::sort(sites);

@@ -37,8 +37,6 @@ SurfaceDirections::SurfaceDirections(const SurfaceMesh& mesh, std::vector<Tangen
         triangles_of_edge_[edge->second].push_back(static_cast<int32_t>(t));
     }
   }
-  for (const SurfaceMesh::Sample& sample : mesh.samples)
-    triangles_of_vertex_[sample.vertex].push_back(sample.triangle);
 }
 
 Vec3 SurfaceDirections::of_triangles(const SurfaceMesh& mesh, std::span<const int32_t> triangles,

@@ -7,17 +7,6 @@
 
 namespace stark {
 
-namespace {
-
-/// Vertex of a body's mesh at a site, or beside it where that is inside a face.
-int32_t vertex_of(const Model& model, int32_t group, int32_t site) {
-  const ModelBody& body = model.bodies()[group];
-  const FaceSample* sample = model.find_face_sample(site);
-  return sample ? sample->beside : site - body.first_site;
-}
-
-}  // namespace
-
 ContactArrays contact_arrays(const Simulation& simulation) {
   ContactArrays rows;
   for (const ContactForce& entry : simulation.contacts()) {
@@ -28,12 +17,13 @@ ContactArrays contact_arrays(const Simulation& simulation) {
     std::array<double, 4>& weights = rows.weights.emplace_back();
     for (int p = 0; p < contact.point_count; ++p) {
       const int32_t group = p < contact.side_a_count ? contact.group_a : contact.group_b;
-      own[p] = vertex_of(simulation.model(), group, contact.sites[p]);
+      own[p] = contact.sites[p] - simulation.model().bodies()[group].first_site;
       weights[p] = contact.weights[p];
     }
     rows.distances.push_back(contact.distance);
     rows.points_a.push_back(entry.point_a);
     rows.points_b.push_back(entry.point_b);
+    rows.friction_points.push_back(entry.point_a + entry.friction_at.shift);
     rows.normal_forces.push_back(entry.normal_force);
     rows.frictions.push_back(entry.friction);
     rows.slips.push_back(entry.slip);

@@ -11,13 +11,12 @@ namespace stark {
 /// Forces are on the first body of a row.
 struct ContactArrays {
   std::vector<Index2> bodies;
-  /// Of the meshes of their bodies, -1 where there are fewer. A point inside a flat face of a rigid body
-  /// (FaceSample) stands as a vertex of its triangle.
-  std::vector<Index4> vertices;
-  std::vector<std::array<double, 4>> weights;  ///< separation = sum_i weights_i x_i of vertices
+  std::vector<Index4> vertices;                ///< of the meshes of their bodies, -1 where there are fewer
+  std::vector<std::array<double, 4>> weights;  ///< separation = sum_i weights_i x_i
   std::vector<int32_t> first_counts;           ///< so many vertices belong to the first body
   std::vector<double> distances;               ///< [m]
   std::vector<Vec3> points_a, points_b;        ///< closest points [m]
+  std::vector<Vec3> friction_points;           ///< where friction acts [m]
   std::vector<Vec3> normal_forces, frictions;  ///< [N]
   std::vector<Vec3> slips;  ///< tangential velocity of the first body against the other [m/s]
 
@@ -31,6 +30,7 @@ struct ContactArrays {
     function("distances", distances);
     function("points_a", points_a);
     function("points_b", points_b);
+    function("friction_points", friction_points);
     function("normal_forces", normal_forces);
     function("frictions", frictions);
     function("slips", slips);

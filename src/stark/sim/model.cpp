@@ -32,7 +32,7 @@ void Model::Builder::build() {
   add_energy_sites();
   add_joint_sites();
   add_attachment_sites();
-  add_face_samples();
+  add_levers();
   model.map_ = KinematicMap(std::move(layout), std::move(sites), std::move(embedded));
   for (int32_t i = 0; i < scene.body_count(); ++i)
     scene.visit(BodyId{i}, [&](const auto& body) { add_energies(BodyId{i}, body); });
@@ -150,9 +150,9 @@ Model::Model(const Scene& scene, const Settings& settings, Energies& out_energie
   initial_state_.internal_variable = internal_values(out_energies);
 }
 
-const FaceSample* Model::find_face_sample(int32_t site) const {
-  const auto found = std::ranges::lower_bound(face_samples_, site, {}, &FaceSample::site);
-  return found != face_samples_.end() && found->site == site ? &*found : nullptr;
+const ModelLever* Model::find_lever(int32_t site) const {
+  const auto found = std::ranges::lower_bound(levers_, site, {}, &ModelLever::site);
+  return found != levers_.end() && found->site == site ? &*found : nullptr;
 }
 
 std::vector<Vec3> Model::site_positions(const State& state) const {
@@ -247,12 +247,10 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     surfaces.core.push_back(scene.contact_core(id));
     surfaces.is_sheet.push_back(row_of(bodies_[b].kind).is_thin);
   }
+  for (const ModelLever& lever : levers_)
+    surfaces.levers.push_back({bodies_[lever.body].first_site + lever.vertex,
+                               first_triangle[lever.body] + lever.triangle, lever.site});
   // Each triangle a face of its own: nothing to choose from, in every search for contacts.
-  for (const FaceSample& sample : face_samples_) {
-    mesh.vertex_group[sample.site] = sample.body;
-    mesh.samples.push_back({sample.site, first_triangle[sample.body] + sample.triangle,
-                            bodies_[sample.body].first_site + sample.beside});
-  }
   const auto triangles = std::views::iota(int32_t{0}, static_cast<int32_t>(surfaces.face.size()));
   if (std::ranges::equal(surfaces.face, triangles)) surfaces.face.clear();
   const int32_t groups = static_cast<int32_t>(bodies_.size());

@@ -44,6 +44,8 @@ struct Model::Builder {
   void add_rigids();
   void add_rigid_sites();
   void add_axis_sites(int32_t body);
+  /// Where friction of the corners of flat faces acts.
+  void add_levers();
   void add_rods();
   void add_rod_nodes(BodyId id);
   void add_rod_sites();
@@ -108,9 +110,6 @@ struct Model::Builder {
   static FrameKind kind_of_b(const JointDescription& joint);
   /// Numbers that place a frame on a patch with vertices at p (mechanics/joint.h, kPatchNumbers).
   static std::vector<double> patch_numbers(const FrameDescription& frame, const std::array<Vec3, 3>& p);
-
-  /// Points inside the large flat faces of rigid bodies that move (model_rigids.cpp).
-  void add_face_samples();
 
   // Actuators (model_actuators.cpp)
   /// Appends the groups and the sides of all actuators, numbered on from the joints.

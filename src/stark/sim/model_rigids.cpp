@@ -1,9 +1,7 @@
 // Rigid bodies of a model: mass in the principal frame, sites; inertia of everything that moves.
 #include <algorithm>
-#include <map>
-#include <set>
 
-#include <stark/geometry/flat_faces.h>
+#include <stark/geometry/face_levers.h>
 #include <stark/geometry/mass_properties.h>
 #include <stark/sim/model_builder.h>
 
@@ -77,72 +75,20 @@ void Model::Builder::add_rigid_sites() {
   }
 }
 
-namespace {
-
-/// Faces below this part of the surface of their body get no points inside: those of what is round.
-constexpr double kLargeFace = 0.05;
-/// Vertices of a border above which a face gets none either.
-constexpr size_t kMostOnBorder = 256;
-/// Where the points are, between the centre of the face and the vertices of its border: squares have the
-/// second moments of their area then, too.
-constexpr double kSampleDistance = 0.45;
-
-/// A flat face of a rigid body.
-struct Face {
-  std::vector<int32_t> triangles;
-  std::set<int32_t> border;
-  Vec3 centre;
-  double area = 0.0;
-  bool is_convex = true, has_vertices_inside = false;
-};
-
-std::map<int32_t, Face> collect_faces(std::span<const Vec3> x, std::span<const Index3> triangles) {
-  const FlatFaces flat = find_flat_faces(x, triangles);
-  std::vector<bool> is_inside(x.size(), false);
-  for (const int32_t v : flat.inner_vertices) is_inside[v] = true;
-  std::map<int32_t, Face> faces;
-  for (size_t t = 0; t < triangles.size(); ++t) {
-    Face& face = faces[flat.patch[t]];
-    const auto& [a, b, c] = triangles[t];
-    const double area = 0.5 * norm(cross(x[b] - x[a], x[c] - x[a]));
-    face.triangles.push_back(static_cast<int32_t>(t));
-    face.centre += (x[a] + x[b] + x[c]) * (area / 3.0);
-    face.area += area;
-    face.is_convex = face.is_convex && flat.face[t] == flat.patch[t];
-    for (const int32_t v : triangles[t]) {
-      face.has_vertices_inside = face.has_vertices_inside || is_inside[v];
-      face.border.insert(v);
-    }
-  }
-  for (auto& [patch, face] : faces) face.centre = face.area > 0.0 ? face.centre / face.area : Vec3{};
-  return faces;
-}
-
-}  // namespace
-
-void Model::Builder::add_face_samples() {
-  if (!settings.contact.enabled) return;
+void Model::Builder::add_levers() {
+  if (!settings.contact.enabled || !settings.contact.friction) return;
   for (const int32_t i : rigid_bodies) {
-    if (scene.motion(BodyId{i}) == Motion::Fixed) continue;
+    // Directions may differ from triangle to triangle, so such a face is not taken for one (make_surfaces).
+    if (scene.surface_directions(BodyId{i}).size() > 1) continue;
     const ModelBody& body = model.bodies_[i];
-    const std::vector<Vec3>& x = scene.rigid(BodyId{i}).mesh.vertices;
-    const std::map<int32_t, Face> faces = collect_faces(x, body.triangles);
-    double surface = 0.0;
-    for (const auto& [patch, face] : faces) surface += face.area;
-    for (const auto& [patch, face] : faces) {
-      if (!face.is_convex || face.has_vertices_inside || face.area < kLargeFace * surface ||
-          face.border.size() > kMostOnBorder)
-        continue;
-      for (const int32_t v : face.border) {
-        const Vec3 place = face.centre + (x[v] - face.centre) * kSampleDistance;
-        model.face_samples_.push_back({static_cast<int32_t>(sites.size()), i, face.triangles.front(), v});
-        sites.push_back({.kind = SiteKind::RigidPoint,
-                         .index = body.rigid_index,
-                         .local = transpose(body.axes) * (place - body.centre),
-                         .points = {},
-                         .weights = {}});
-        model.rest_positions_.push_back(place);
-      }
+    for (const FaceLever& lever : find_face_levers(scene.rigid(BodyId{i}).mesh.vertices, body.triangles)) {
+      model.levers_.push_back({static_cast<int32_t>(sites.size()), i, lever.vertex, lever.triangle});
+      sites.push_back({.kind = SiteKind::RigidPoint,
+                       .index = body.rigid_index,
+                       .local = transpose(body.axes) * (lever.place - body.centre),
+                       .points = {},
+                       .weights = {}});
+      model.rest_positions_.push_back(lever.place);
     }
   }
 }

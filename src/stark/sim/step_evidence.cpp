@@ -31,7 +31,6 @@ std::string owner_of(const Scene& scene, int32_t body) {
 
 /// The body that a site is a vertex of, -1 for points that energies and joints made.
 int32_t body_of_site(const Model& model, int32_t site) {
-  if (const FaceSample* sample = model.find_face_sample(site)) return sample->body;
   for (int32_t b = 0; b < static_cast<int32_t>(model.bodies().size()); ++b) {
     const ModelBody& body = model.bodies()[b];
     if (site >= body.first_site && site < body.first_site + body.site_count) return b;
@@ -44,10 +43,7 @@ BodyVertices place_of(const Scene& scene, const Model& model, std::span<const in
   const int32_t body = body_of_site(model, sites[0]);
   if (body < 0) return {"a point of an energy"};
   BodyVertices place{owner_of(scene, body)};
-  for (const int32_t site : sites) {
-    const FaceSample* sample = model.find_face_sample(site);
-    place.vertices.push_back(sample ? sample->beside : site - model.bodies()[body].first_site);
-  }
+  for (const int32_t site : sites) place.vertices.push_back(site - model.bodies()[body].first_site);
   return place;
 }
 
