@@ -25,8 +25,7 @@ struct Pair {
   }
   FrictionLevers levers() const { return {mesh, {{0, 0, 7}}, {0, 1, 1}}; }
   double part(const Vec3& normal = {0, 0, 1}) const {
-    const auto arm = levers().arm(mesh, contact(), 1, normal, x);
-    return arm ? arm->part : 0.0;
+    return levers().arm(mesh, contact(), 1, normal, x).part;
   }
 };
 

@@ -12,8 +12,8 @@ Vec3 normal_of(const Index3& t, std::span<const Vec3> x) {
   return normalized(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
 }
 
-/// Cosine between the normals of two faces from which one lies on the other: 8 degrees.
-constexpr double kLiesFlat = 0.99;
+/// Cosines of 11 and 6 degrees between the normals of two faces: from the second on one lies on the other.
+constexpr double kTilted = 0.98, kLevel = 0.995;
 
 /// Part of the depth of the vertex in its contact distance from which the site carries all of its share.
 constexpr double kCarries = 0.5;
@@ -33,16 +33,16 @@ FrictionLevers::FrictionLevers(const SurfaceMesh& mesh, std::vector<LeverSite> s
   borders_ = SurfaceCells(mesh, patch_);
 }
 
-const LeverSite* FrictionLevers::flattest(const SurfaceMesh& mesh, int32_t vertex, const Vec3& normal,
-                                          std::span<const Vec3> x) const {
-  const LeverSite* best = nullptr;
-  double most = kLiesFlat;
+LeverArm FrictionLevers::flattest(const SurfaceMesh& mesh, int32_t vertex, const Vec3& normal,
+                                  std::span<const Vec3> x) const {
+  LeverArm best;
+  double most = kTilted;
   for (auto s = std::ranges::lower_bound(sites_, vertex, {}, &LeverSite::vertex);
        s != sites_.end() && s->vertex == vertex; ++s) {
     const double cosine = std::fabs(dot(normal_of(mesh.triangles[s->triangle], x), normal));
     if (cosine <= most) continue;
     most = cosine;
-    best = &*s;
+    best = {s->site, smooth_step((cosine - kTilted) / (kLevel - kTilted))};
   }
   return best;
 }
@@ -72,22 +72,21 @@ double FrictionLevers::part_within(int32_t triangle, const Vec3& normal, const V
   return starts_inside ? first / length : 0.0;
 }
 
-std::optional<LeverArm> FrictionLevers::arm(const SurfaceMesh& mesh, const Contact& contact, int32_t triangle,
-                                            const Vec3& normal, std::span<const Vec3> x) const {
-  const int32_t vertex = contact.sites[0];
-  const LeverSite* lever = flattest(mesh, vertex, normal, x);
+LeverArm FrictionLevers::arm(const SurfaceMesh& mesh, const Contact& contact, int32_t triangle,
+                             const Vec3& normal, std::span<const Vec3> x) const {
+  const Vec3& vertex = x[contact.sites[0]];
+  LeverArm arm = flattest(mesh, contact.sites[0], normal, x);
   // A contact that has slid around an edge may be named by the face before.
-  if (lever == nullptr || std::fabs(dot(normal_of(mesh.triangles[triangle], x), normal)) < kLiesFlat)
-    return std::nullopt;
+  if (arm.part == 0.0 || std::fabs(dot(normal_of(mesh.triangles[triangle], x), normal)) < kTilted) return {};
   // The site presses, too, as far as it is within the contact distance: of an even pressure, as much.
+  const Vec3& place = x[arm.site];
   const Vec3 gap = gap_vector(contact, x);
-  const double farther = dot(x[lever->site] - x[vertex], normal) * (dot(gap, normal) > 0.0 ? 1.0 : -1.0);
+  const double farther = dot(place - vertex, normal) * (dot(gap, normal) > 0.0 ? 1.0 : -1.0);
   const double depth = contact.contact_distance - norm(gap);
-  const double presses = smooth_step((depth - farther) / (kCarries * depth));
-  const double part =
-      presses > 0.0 ? presses * part_within(triangle, normal, x[vertex], x[lever->site], x) : 0.0;
-  if (!(part > 0.0)) return std::nullopt;
-  return LeverArm{lever->site, part};
+  arm.part *= smooth_step((depth - farther) / (kCarries * depth));
+  if (!(arm.part > 0.0)) return {};
+  arm.part *= part_within(triangle, normal, vertex, place, x);
+  return arm;
 }
 
 }  // namespace stark

@@ -3,8 +3,6 @@
 // the face tilts, and stays where the other face is. [theory eq. 19d]
 #pragma once
 
-#include <array>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,7 +16,7 @@ struct LeverSite {
   int32_t vertex = 0, triangle = 0, site = 0;
 };
 
-/// Where friction acts: so much of the way from the vertex to the site.
+/// Where friction acts: so much of the way from the vertex to the site; 0: at the vertex.
 struct LeverArm {
   int32_t site = 0;
   double part = 0.0;
@@ -32,14 +30,14 @@ class FrictionLevers {
 
   bool empty() const { return sites_.empty(); }
   /// Of a contact of a vertex with a triangle of a rigid body of this number and unit normal, at site
-  /// positions x. None where friction acts at the vertex.
-  std::optional<LeverArm> arm(const SurfaceMesh& mesh, const Contact& contact, int32_t triangle,
-                              const Vec3& normal, std::span<const Vec3> x) const;
+  /// positions x.
+  LeverArm arm(const SurfaceMesh& mesh, const Contact& contact, int32_t triangle, const Vec3& normal,
+               std::span<const Vec3> x) const;
 
  private:
-  /// The one of the face of the vertex that lies flattest; null where none does.
-  const LeverSite* flattest(const SurfaceMesh& mesh, int32_t vertex, const Vec3& normal,
-                            std::span<const Vec3> x) const;
+  /// The one of the face of the vertex that lies flattest, and 1 where that lies flat, 0 where none does.
+  LeverArm flattest(const SurfaceMesh& mesh, int32_t vertex, const Vec3& normal,
+                    std::span<const Vec3> x) const;
   /// Part of the way from a vertex to a site that is over the face of a triangle.
   double part_within(int32_t triangle, const Vec3& normal, const Vec3& from, const Vec3& to,
                      std::span<const Vec3> x) const;

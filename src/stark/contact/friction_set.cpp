@@ -94,16 +94,18 @@ void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std
 
 FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionCoefficient& mu,
                                          const Vec3& force, std::span<const Vec3> x) const {
+  const Pair* before = resets_ > 0 ? find(contact.key) : nullptr;
+  // Arms that followed the iterates of an impact would keep friction from settling.
+  const std::optional<LeverArm> arm = before ? std::optional(before->stencil.arm) : std::nullopt;
   Pair pair{.contact = contact,
-            .stencil = carriers_.stencil(*mesh_, contact, x),
+            .stencil = carriers_.stencil(*mesh_, contact, x, arm),
             .normal = normalized(force),
             .force = norm(force)};
   pair.is_anisotropic = mu.is_anisotropic();
   if (pair.is_anisotropic) set_axes(mu, x, pair);
   pair.drift = drift(contact, pair.normal, x, pair.stencil.shift);
   const int64_t known = find_bristles(contact, x);
-  const Pair* before = find(contact.key);
-  if (resets_ > 0 && before != nullptr && before->modelled) {
+  if (before != nullptr && before->modelled) {
     pair.dual = turned(before->dual, pair.normal);
     pair.modelled = turned(*before->modelled, pair.normal);
   }
@@ -116,7 +118,7 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
   }
   if (resets_ >= kGeometryResets && before != nullptr) {
     pair.contact = before->contact;
-    pair.stencil = carriers_.stencil(*mesh_, pair.contact, x);
+    pair.stencil = carriers_.stencil(*mesh_, pair.contact, x, arm);
     pair.normal = before->normal;
     pair.deflection = before->deflection;
     pair.along = before->along;

@@ -130,16 +130,14 @@ FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, 
   return {of(at_vertex(key.first)), {key.second, -1}};
 }
 
-std::optional<LeverArm> FrictionCarriers::arm_of(const SurfaceMesh& mesh, const Contact& contact,
-                                                 const Index3& triangle, const Vec3& normal,
-                                                 std::span<const Vec3> x) const {
-  if (levers_.empty() || contact.key.kind != PairKind::PointTriangle || !is_rigid(triangle[0]))
-    return std::nullopt;
+LeverArm FrictionCarriers::arm_of(const SurfaceMesh& mesh, const Contact& contact, const Index3& triangle,
+                                  const Vec3& normal, std::span<const Vec3> x) const {
+  if (levers_.empty() || contact.key.kind != PairKind::PointTriangle || !is_rigid(triangle[0])) return {};
   return levers_.arm(mesh, contact, contact.key.second, normal, x);
 }
 
 FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact& contact,
-                                          std::span<const Vec3> x) const {
+                                          std::span<const Vec3> x, std::optional<LeverArm> arm) const {
   const Carrier carrier = carrier_of(mesh, contact, x);
   if (!carrier.triangle) return closest_points(contact);
   const Index3& triangle = *carrier.triangle;
@@ -148,17 +146,17 @@ FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact
   FrictionStencil stencil{.facing = frame.normal};
   Vec3 point;         // of friction, on the other side
   double side = 0.0;  // 1 where that is A, -1 where it is B
-  const std::optional<LeverArm> arm = arm_of(mesh, contact, triangle, frame.normal, x);
+  stencil.arm = arm ? *arm : arm_of(mesh, contact, triangle, frame.normal, x);
   for (int p = 0; p < contact.point_count; ++p) {
     const int32_t site = contact.sites[p];
     if (site != carrier.other[0] && site != carrier.other[1]) continue;
-    const double weight = contact.weights[p], moved = arm ? weight * arm->part : 0.0;
+    const double weight = contact.weights[p], moved = weight * stencil.arm.part;
     if (moved != weight) add(stencil, site, weight - moved, {});
     point += x[site] * weight;
     side += weight;
-    if (!arm) continue;
-    add(stencil, arm->site, moved, {});
-    stencil.shift = (x[arm->site] - x[site]) * arm->part;
+    if (moved == 0.0) continue;
+    add(stencil, stencil.arm.site, moved, {});
+    stencil.shift = (x[stencil.arm.site] - x[site]) * stencil.arm.part;
     point += stencil.shift * weight;
   }
   side = side > 0.0 ? 1.0 : -1.0;

@@ -27,7 +27,8 @@ struct FrictionStencil {
   std::array<double, kFrictionPoints> weights{};  ///< sum to zero
   std::array<Vec3, kFrictionPoints> slopes{};     ///< sum to zero; the turning of the carrying triangle
   Vec3 facing;                                    ///< its unit normal, zero when nothing carries
-  Vec3 shift;  ///< of the point from the closest one [m], see FrictionLevers
+  Vec3 shift;                                     ///< of the point from the closest one [m]
+  LeverArm arm;                                   ///< that shifts it
 
   Vec3 motion(std::span<const Vec3> x, std::span<const Vec3> reference) const;
 };
@@ -45,7 +46,9 @@ class FrictionCarriers {
 
   /// Stencil of a contact at site positions x. Points against triangles, and edges of which one is of a rigid
   /// body; otherwise the closest points as they are.
-  FrictionStencil stencil(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x) const;
+  /// arm: to be kept; none: by the positions.
+  FrictionStencil stencil(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x,
+                          std::optional<LeverArm> arm = {}) const;
 
  private:
   struct Carrier {
@@ -61,8 +64,8 @@ class FrictionCarriers {
   std::optional<Index3> triangle_at_point(const SurfaceMesh& mesh, const Contact& contact) const;
 
   /// Where friction of a corner of a rigid body acts that touches this triangle of unit normal.
-  std::optional<LeverArm> arm_of(const SurfaceMesh& mesh, const Contact& contact, const Index3& triangle,
-                                 const Vec3& normal, std::span<const Vec3> x) const;
+  LeverArm arm_of(const SurfaceMesh& mesh, const Contact& contact, const Index3& triangle, const Vec3& normal,
+                  std::span<const Vec3> x) const;
 
   bool is_rigid(int32_t site) const { return !rigid_sites_.empty() && rigid_sites_[site]; }
 
