@@ -151,10 +151,10 @@ FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact
     const int32_t site = contact.sites[p];
     if (site != carrier.other[0] && site != carrier.other[1]) continue;
     const double weight = contact.weights[p], moved = weight * stencil.arm.part;
-    if (moved != weight) add(stencil, site, weight - moved, {});
+    if (stencil.arm.part < 1.0) add(stencil, site, weight - moved, {});
     point += x[site] * weight;
     side += weight;
-    if (moved == 0.0) continue;
+    if (stencil.arm.part == 0.0) continue;
     add(stencil, stencil.arm.site, moved, {});
     stencil.shift = (x[stencil.arm.site] - x[site]) * stencil.arm.part;
     point += stencil.shift * weight;
