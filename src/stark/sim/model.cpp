@@ -247,9 +247,11 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     surfaces.core.push_back(scene.contact_core(id));
     surfaces.is_sheet.push_back(row_of(bodies_[b].kind).is_thin);
   }
-  for (const ModelLever& lever : levers_)
+  for (const ModelLever& lever : levers_) {
+    mesh.vertex_group[lever.site] = -1;  // of no surface, though on one
     surfaces.levers.push_back({bodies_[lever.body].first_site + lever.vertex,
                                first_triangle[lever.body] + lever.triangle, lever.site});
+  }
   // Each triangle a face of its own: nothing to choose from, in every search for contacts.
   const auto triangles = std::views::iota(int32_t{0}, static_cast<int32_t>(surfaces.face.size()));
   if (std::ranges::equal(surfaces.face, triangles)) surfaces.face.clear();
