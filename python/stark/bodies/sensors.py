@@ -307,7 +307,8 @@ class InertialSensors(BodyHandle):
     @property
     def holding_force(self) -> Array:
         """Force that holds a fixed body or drives a scripted one in the last step, against contact, joints,
-        attachments and energies (3,) [N]. Such bodies have no mass, so their own weight is not in it."""
+        attachments and energies (3,) [N]; zero of bodies that move freely. Fixed and scripted bodies have no
+        mass, so their own weight is not in it."""
         core = self._require_simulation("holding_force")._core
         return reading(core.holding_wrench(self._index)[0], self, "holding_force")
 

@@ -215,7 +215,7 @@ class Simulation {
   /// Torques [N m] that hold the frames of clamped nodes of a rod, in the order of clamp_targets().
   std::vector<Vec3> clamp_torques(BodyId body);
   /// Force [N] that holds a fixed rigid body or drives a scripted one, which have no mass, and its torque
-  /// [N m] about the origin of the mesh. Throws InvalidArgument for bodies that move freely.
+  /// [N m] about the origin of the mesh; zero of bodies that move freely.
   Wrench holding_wrench(BodyId body);
   /// What each segment of a rod transmits in the last step, through its middle: force [N] and torque [N m] of
   /// the side behind on the side before. Damping and what pulls in the rod by itself are in it.

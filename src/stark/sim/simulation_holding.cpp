@@ -78,11 +78,7 @@ std::vector<Vec3> Simulation::clamp_torques(BodyId body) {
 
 Wrench Simulation::holding_wrench(BodyId body) {
   const ModelBody& b = rigid(body, "holding force");
-  if (scene_.rigid(body).motion == Motion::Dynamic)
-    throw InvalidArgument("'" + scene_.name(body) +
-                          "' moves freely, nothing holds it: a holding force is one of fixed and scripted "
-                          "bodies; contact_force is that of contact, joint.reaction that of a joint");
-  if (step_start_.empty()) return {};
+  if (scene_.rigid(body).motion == Motion::Dynamic || step_start_.empty()) return {};
   return wrench_on(model_->map(), b.rigid_index, parts_->ledger.site_gradient(), site_positions(),
                    state_.body_position[b.rigid_index]);
 }
