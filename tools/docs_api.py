@@ -25,7 +25,8 @@ GROUPS: dict[str, tuple[str, str]] = {
     "simulation": ("Simulations", "Simulation Settings StepReport StepProgress Checkpoint"),
     "bodies": (
         "Bodies and layers",
-        "Body Cloth Solid Rod RigidBody Layer Skin Fibres ClosestPoints FreePath Contacts Imu JoinedPoints joined",
+        "Body Cloth Solid Rod RigidBody Layer Skin Fibres ClosestPoints FreePath Contacts Imu JoinedPoints "
+        "joined",
     ),
     "values": (
         "Meshes, materials, rotations",
