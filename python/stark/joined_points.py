@@ -21,6 +21,7 @@ class JoinedPoints:
     """Points of bodies and of the world, one selection after another. Made by ``stark.joined``."""
 
     point_count = 1
+    body: None = None  # where one body is asked for, these are none of it
 
     def __init__(self, parts: Sequence[Points]) -> None:
         self.parts: tuple[Points, ...] = tuple(part for part in parts if len(part))

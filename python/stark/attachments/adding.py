@@ -89,7 +89,7 @@ def _side(scene: SceneLink, owner: str, label: str, side: Any) -> Body | Points 
 
 def _corners(owner: str, label: str, stencils: Stencils) -> Points:
     """The vertices of stencils, each once."""
-    body = stencils.columns[0].body if isinstance(stencils.columns[0], Points) else None
+    body = stencils.columns[0].body
     if body is None or any(c.body is not body or c._kind != "vertices" for c in stencils.columns):
         raise InvalidArgument(f"{owner}: side {label} = {stencils!r}: must be of vertices of one body")
     return vertex_points(body, np.unique([c._columns["vertices"] for c in stencils.columns]).astype(np.int32))

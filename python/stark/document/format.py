@@ -240,7 +240,6 @@ _FORMULA = {
         "and the numbers of the nodes that it is applied to",
     ),
     "outputs": Field(Listing(Whole(), 1000), doc="numbers of nodes"),
-    "totals": Field(Listing(Text(), 100), [], "names of the totals among the nodes, in order"),
     "stages": Field(Listing(Whole(), 50_000), [], "nodes that derivatives may go through, for speed"),
 }
 _LAW_FORMULA = {
@@ -265,7 +264,13 @@ _LAW_FORMULA = {
 FORMULA = Tagged(
     "kind",
     {
-        "energy": Record({**_FORMULA, "translation_invariant": Field(Flag(), False)}),
+        "energy": Record(
+            {
+                **_FORMULA,
+                "totals": Field(Listing(Text(), 100), [], "names of the totals among the nodes, in order"),
+                "translation_invariant": Field(Flag(), False),
+            }
+        ),
         "solid_law": Record({**_LAW_FORMULA, "isotropic": Field(Flag())}),
         "shell_law": Record({**_LAW_FORMULA, "isotropic": Field(Flag())}),
         "rod_law": Record(_LAW_FORMULA),

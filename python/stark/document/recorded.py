@@ -36,6 +36,7 @@ def of_energy(binding: Any) -> dict[str, Any]:
         "kind": "energy",
         **_described(binding.name, binding.energy.doc, trace.formula, trace.graph, trace.sources,
                      binding.energy.parameters),
+        **({} if trace.totals is None else {"totals": list(trace.totals.names)}),
         "translation_invariant": bool(binding.translation_invariant),
     }  # fmt: skip
 
@@ -100,14 +101,8 @@ def _described(
         "inputs": [_input(row, known.get(row["name"])) for row in formula.fields],
         "nodes": [[_number(entry) for entry in node] for node in nodes],
         "outputs": outputs,
-        **({"totals": names} if (names := _total_names(graph)) else {}),
         **({"stages": stages} if (stages := stages_of(graph)) else {}),
     }
-
-
-def _total_names(graph: ExpressionGraph) -> list[str]:
-    names = [node.name for node in graph.nodes.values() if node.operation == "total"]
-    return names if any(names) else []
 
 
 def _input(row: Mapping[str, Any], parameter: Parameter | None) -> dict[str, Any]:
@@ -174,7 +169,7 @@ def made(row: Mapping[str, Any], where: str) -> Any:
         formula, graph, sources = replayed(
             row["points"], [_row(entry) for entry in row["inputs"]], row["nodes"], row["outputs"],
             _internals(row), row.get("stages", ()),
-            row.get("totals", ()) if row["kind"] == "energy" else None,
+            row.get("totals"),
         )  # fmt: skip
         return _MAKERS[row["kind"]](row, formula, graph, sources, parameters)
     except DocumentError:

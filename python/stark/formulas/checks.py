@@ -149,41 +149,41 @@ class Whole(Elements):
 
 def check(binding: BoundEnergy, seed: int = 0) -> CheckReport:
     """Tests a bound energy on its own points, moved at random by 5 % of the size of an element."""
-    if binding.trace.totals is not None:
-        return _check_whole(binding, seed)
     rng = np.random.default_rng(seed)
-    elements = Elements(binding, rng)
+    is_whole = binding.trace.totals is not None
+    elements = (Whole if is_whole else Elements)(binding, rng)
     findings = [_finite(elements)]
     if findings[0].status == "ok":
-        energy, gradient, hessian = elements.evaluate(elements.moved, 2)
-        findings += [
-            _gradient(elements, gradient, rng),
-            _hessian(elements, hessian, rng),
-            *_continuity(elements, rng),
-            _backends(elements),
-            _translation(elements, gradient),
-            _rotation(elements, energy, rng),
-            _definiteness(hessian),
-            _rest(elements, energy, gradient),
-        ]
-    return CheckReport(f"{binding.name} on {len(elements.rows)} elements", tuple(findings))
+        findings += (_of_whole if is_whole else _of_elements)(elements, rng)
+    of = "the totals of " if is_whole else ""
+    return CheckReport(f"{binding.name} on {of}{len(elements.rows)} elements", tuple(findings))
 
 
-def _check_whole(binding: BoundEnergy, seed: int) -> CheckReport:
-    rng = np.random.default_rng(seed)
-    whole = Whole(binding, rng)
-    findings = [_finite(whole)]
-    if findings[0].status == "ok":
-        energy, gradient, _ = whole.evaluate(whole.moved, 1)
-        findings += [
-            _gradient(whole, gradient, rng),
-            _continuous_energy(max(Path(whole, rng, at_rest=k == 0).jump(0) for k in range(_LEAST_PATHS))),
-            _backends(whole),
-            _translation(whole, gradient),
-            _rotation(whole, energy, rng),
-            _rest(whole, energy, gradient),
-        ]
-    return CheckReport(f"{binding.name} on the totals of {len(whole.rows)} elements", tuple(findings))
+def _of_elements(elements: Elements, rng: np.random.Generator) -> list[Finding]:
+    energy, gradient, hessian = elements.evaluate(elements.moved, 2)
+    return [
+        _gradient(elements, gradient, rng),
+        _hessian(elements, hessian, rng),
+        *_continuity(elements, rng),
+        _backends(elements),
+        _translation(elements, gradient),
+        _rotation(elements, energy, rng),
+        _definiteness(hessian),
+        _rest(elements, energy, gradient),
+    ]
+
+
+def _of_whole(whole: Elements, rng: np.random.Generator) -> list[Finding]:
+    """Without what takes the stiffness."""
+    energy, gradient, _ = whole.evaluate(whole.moved, 1)
+    return [
+        _gradient(whole, gradient, rng),
+        _continuous_energy(max(Path(whole, rng, at_rest=k == 0).jump(0) for k in range(_LEAST_PATHS))),
+        _backends(whole),
+        _translation(whole, gradient),
+        _rotation(whole, energy, rng),
+        _rest(whole, energy, gradient),
+    ]
 
 
 def _finite(elements: Elements) -> Finding:

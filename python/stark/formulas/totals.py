@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from stark._core import TraceError
+from stark.formulas.listing import POSITIONS
 from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.tensor import Scalar
-
-_POSITIONS = frozenset({"x", "x_prev", "X", "x_initial"})
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,7 @@ def totals_of(output: Scalar, sources: Mapping[int, tuple[str, int, int]]) -> To
     outside = set()
     for key, node in above.items():
         source = sources.get(key, ("", 0, 0))[0]
-        if source in _POSITIONS:
+        if source in POSITIONS:
             raise TraceError(
                 f"{node.name or 'a position'} occurs outside of stark.total(...): an energy with totals "
                 f"depends on its elements by them alone; add the rest as an energy of its own, or take the "

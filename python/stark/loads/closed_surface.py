@@ -13,7 +13,7 @@ from stark.body_kinds import has_points, row_of
 from stark.handle import BodyHandle
 from stark.loads.element_faces import whole_faces
 from stark.mesh import Indices
-from stark.selections import Points, Stencils, stencils, vertex_points
+from stark.selections import Stencils, stencils, vertex_points
 
 
 class ClosedSurface(NamedTuple):
@@ -35,7 +35,7 @@ def closed_surface(surface: Any, owner: str) -> ClosedSurface:
     has_faces = isinstance(surface, Body) and has_points(surface) and row_of(surface).has_triangles
     faces = surface.faces if has_faces else surface
     columns = faces.columns if isinstance(faces, Stencils) and faces.point_count == 3 else ()
-    body = columns[0].body if columns and all(isinstance(c, Points) for c in columns) else None
+    body = columns[0].body if columns else None
     if body is None or any(
         "vertices" not in column._columns or column.body is not body for column in columns
     ):
@@ -47,25 +47,20 @@ def closed_surface(surface: Any, owner: str) -> ClosedSurface:
     positions = vertex_points(body, np.arange(len(body.mesh.vertices), dtype=np.int32)).positions
     centre = positions[triangles].mean(axis=(0, 1))
     outward = enclosed_volume(positions - centre, triangles) >= 0.0
-    whole, shares = whole_faces(body.mesh, triangles), None
-    if whole is not None:
-        rows, shares = whole
+    rows, shares = whole_faces(body.mesh, triangles) or (triangles, None)
+    if rows is not triangles:
         faces = stencils(body, rows, "triples of nodes")
     if not outward:
         faces = Stencils([faces.columns[k] for k in (0, 2, 1)], faces._noun)
-    return ClosedSurface(faces, shares, centre, _volume_of(faces, shares, centre))
+    return ClosedSurface(faces, shares, centre, abs(enclosed_volume(positions - centre, rows, shares)))
 
 
-def _volume_of(triples: Stencils, shares: NDArray[np.float64] | None, centre: NDArray[np.float64]) -> float:
-    a, b, c = (column.positions - centre for column in triples.columns)
-    volumes = np.einsum("ni,ni->n", a, np.cross(b, c)) / 6.0
-    return float((volumes if shares is None else volumes * shares).sum())
-
-
-def enclosed_volume(positions: NDArray[np.float64], triangles: Indices) -> float:
-    """Volume inside a closed surface of outward triangles [m^3]."""
+def enclosed_volume(
+    positions: NDArray[np.float64], triangles: Indices, shares: NDArray[np.float64] | None = None
+) -> float:
+    """Volume inside a closed surface of outward triangles, which count by their shares [m^3]."""
     a, b, c = (positions[triangles[:, i]] for i in range(3))
-    return float(np.einsum("ni,ni->", a, np.cross(b, c)) / 6.0)
+    return float(np.einsum("ni,ni->", a if shares is None else a * shares[:, None], np.cross(b, c)) / 6.0)
 
 
 def _check_closed(body: BodyHandle, triangles: Indices, owner: str) -> None:

@@ -75,19 +75,13 @@ class SceneLoads(SceneLink):
                 f"1.4 for air that exchanges no heat"
             )
         formula = fillings.gas if exponent == 1.0 else fillings.adiabatic_gas
-        bound = formula(
-            inside.triples,
-            amount=at_start(amount, owner),
-            pressure_at_start=absolute,
-            volume_at_start=inside.volume,
-            outside=outside,
-            origin=inside.centre,
-            share=1.0 if inside.shares is None else inside.shares,
+        values = {
+            "pressure_at_start": absolute,
+            "volume_at_start": inside.volume,
+            "outside": outside,
             **({} if exponent == 1.0 else {"exponent": exponent}),
-        )
-        load = self.add(bound, name=name)
-        set_courses("energy", load, {"amount": amount})
-        return load
+        }
+        return self._fill(formula, inside, owner, name, {"amount": amount}, values)
 
     def add_liquid(
         self,
@@ -109,16 +103,25 @@ class SceneLoads(SceneLink):
         inside, owner = _inside(surface, "liquid", name)
         if filling is None:
             filling = inside.volume
-        bound = fillings.liquid(
-            inside.triples,
-            filling=at_start(filling, owner),
-            bulk_modulus=bulk_modulus,
-            outside=outside,
-            origin=inside.centre,
-            share=1.0 if inside.shares is None else inside.shares,
+        values = {"bulk_modulus": bulk_modulus, "outside": outside}
+        return self._fill(fillings.liquid, inside, owner, name, {"filling": filling}, values)
+
+    def _fill(
+        self,
+        formula: Any,
+        inside: ClosedSurface,
+        owner: str,
+        name: str | None,
+        live: dict[str, TimeValue],
+        values: dict[str, float],
+    ) -> Energy:
+        """A filling of a surface, with values that may follow the time and others."""
+        share = 1.0 if inside.shares is None else inside.shares
+        starts = {key: at_start(value, owner) for key, value in live.items()}
+        load = self.add(
+            formula(inside.triples, origin=inside.centre, share=share, **starts, **values), name=name
         )
-        load = self.add(bound, name=name)
-        set_courses("energy", load, {"filling": filling})
+        set_courses("energy", load, live)
         return load
 
     def add_force(

@@ -37,6 +37,14 @@ void add_block(BlockMatrix& hessian, int64_t slot, const Mat3& H) {
   for (int c = 0; c < 9; ++c) values[c] += H.m[c];
 }
 
+/// Adds gradients by sites to those by unknowns.
+void add_mapped(const KinematicMap& map, const Configuration& configuration, std::span<const Vec3> by_site,
+                std::span<double> out) {
+  for (int32_t i = 0; i < static_cast<int32_t>(by_site.size()); ++i)
+    if (by_site[i] != Vec3{} && !map.is_prescribed(i))  // of fine rigid meshes hardly any is pushed
+      add_mapped_gradient(map.jacobian(i, configuration), by_site[i], out);
+}
+
 }  // namespace
 
 Assembler::Assembler(const KinematicMap& map, ThreadPool& pool) : map_(map), pool_(pool) {
@@ -154,9 +162,7 @@ void Assembler::assemble_gradient(const Configuration& configuration, std::span<
   for (QuadraturePlan& plan : quadrature_plans_) plan.add_site_gradients(pool_, x, site_gradient_);
   for (const PotentialBatch* batch : dynamic_batches_) add_site_gradients(*batch, x, nullptr);
   std::fill(out_gradient.begin(), out_gradient.end(), 0.0);
-  for (int32_t i = 0; i < static_cast<int32_t>(x.size()); ++i)
-    if (site_gradient_[i] != Vec3{} && !map_.is_prescribed(i))  // of fine rigid meshes hardly any is pushed
-      add_mapped_gradient(map_.jacobian(i, configuration), site_gradient_[i], out_gradient);
+  add_mapped(map_, configuration, site_gradient_, out_gradient);
 }
 
 void Assembler::add_site_gradients(const PotentialBatch& batch, std::span<const Vec3> x,
@@ -312,12 +318,9 @@ void Assembler::add_low_rank(const PotentialBatch& batch, const Configuration& c
     site_gradient_.assign(x.size(), Vec3{});
     batch.add_total_gradient(static_cast<int>(k), x, site_gradient_);
     columns[k].assign(gradient.size(), 0.0);
-    for (int32_t i = 0; i < static_cast<int32_t>(x.size()); ++i) {
-      if (site_gradient_[i] == Vec3{}) continue;
-      if (!options.pending.empty()) pending[k] += dot(site_gradient_[i], options.pending[i]);
-      if (!map_.is_prescribed(i))
-        add_mapped_gradient(map_.jacobian(i, configuration), site_gradient_[i], columns[k]);
-    }
+    add_mapped(map_, configuration, site_gradient_, columns[k]);
+    for (size_t i = 0; i < options.pending.size(); ++i)
+      pending[k] += dot(site_gradient_[i], options.pending[i]);
   }
   for (size_t k = 0; k < m; ++k)
     for (size_t l = 0; l < m; ++l)

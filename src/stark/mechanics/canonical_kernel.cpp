@@ -1,9 +1,7 @@
 #include <stark/mechanics/canonical_kernel.h>
 
-#include <algorithm>
 #include <utility>
 
-#include <stark/base/error.h>
 #include <stark/base/hash.h>
 
 namespace stark {
@@ -13,17 +11,10 @@ using symbolic::Scalar;
 
 namespace {
 
-template <typename Field>
-int width_of(const std::vector<Field>& fields) {
-  return fields.empty() ? 0 : fields.back().offset + fields.back().width;
-}
-
 /// Hash of the name and component of input `index`: the same wherever the field is declared.
 template <typename Field>
 uint64_t label_of(const std::vector<Field>& fields, int index) {
-  const auto next = std::ranges::upper_bound(fields, index, {}, &Field::offset);
-  STARK_CHECK(next != fields.begin());
-  const Field& field = *std::prev(next);
+  const Field& field = field_at(fields, index);
   Hash64 hash;
   hash.append_bytes(field.name.data(), field.name.size());
   hash.append(index - field.offset);
@@ -33,14 +24,15 @@ uint64_t label_of(const std::vector<Field>& fields, int index) {
 }  // namespace
 
 InputCounts input_counts(const PotentialBuilder& builder) {
-  return {3 * builder.point_count(), width_of(builder.element_fields()), width_of(builder.uniform_fields())};
+  return {3 * builder.point_count(), total_width(builder.element_fields()),
+          total_width(builder.uniform_fields())};
 }
 
 symbolic::InputLabel labels_of(const PotentialBuilder& builder) {
   return [&builder](InputKind kind, int index) -> uint64_t {
     if (kind == InputKind::Unknown) return static_cast<uint64_t>(index);
     if (kind == InputKind::Element) return label_of(builder.element_fields(), index);
-    const int beyond = index - width_of(builder.uniform_fields());
+    const int beyond = index - total_width(builder.uniform_fields());
     return beyond < 0 ? label_of(builder.uniform_fields(), index) : static_cast<uint64_t>(beyond);
   };
 }

@@ -2,12 +2,29 @@
 // model building.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <vector>
 
+#include <stark/base/error.h>
 #include <stark/mechanics/potential.h>
 #include <stark/symbolic/canonical.h>
 
 namespace stark {
+
+/// Numbers of all fields.
+template <typename Field>
+int total_width(const std::vector<Field>& fields) {
+  return fields.empty() ? 0 : fields.back().offset + fields.back().width;
+}
+
+/// Field that holds input number `index` of its kind.
+template <typename Field>
+const Field& field_at(const std::vector<Field>& fields, int index) {
+  const auto next = std::ranges::upper_bound(fields, index, {}, &Field::offset);
+  STARK_CHECK(next != fields.begin());
+  return *std::prev(next);
+}
 
 /// How many numbers a kernel takes of each kind, those that do not occur among them.
 struct InputCounts {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <stark/base/error.h>
+#include <stark/mechanics/canonical_kernel.h>
 #include <stark/symbolic/substitute.h>
 
 namespace stark {
@@ -11,14 +12,6 @@ using symbolic::InputKind;
 using symbolic::Scalar;
 
 namespace {
-
-/// Field that holds input number `index` of its kind.
-template <typename Field>
-const Field& field_at(const std::vector<Field>& fields, int index) {
-  const auto next = std::ranges::upper_bound(fields, index, {}, &Field::offset);
-  STARK_CHECK(next != fields.begin());
-  return *std::prev(next);
-}
 
 bool is_clock(const UniformField& field) { return field.name == "time_step" || field.name == "time"; }
 

@@ -12,9 +12,10 @@ namespace {
 
 PotentialBatch compiled(const Formula& formula, symbolic::Backend backend,
                         const std::vector<ParameterDeclaration>& fields) {
+  const std::set<std::string> shared = formula.shared_parameters();
   std::set<std::string> names;
-  for (const ParameterDeclaration& field : fields) names.insert(field.name);
-  for (const std::string& name : formula.shared_parameters()) names.erase(name);
+  for (const ParameterDeclaration& field : fields)
+    if (!shared.contains(field.name)) names.insert(field.name);
   return PotentialBatch(
       std::make_shared<Potential>(define_potential("formula", "", formula), backend, names));
 }
@@ -31,13 +32,14 @@ FormulaSample::FormulaSample(const Formula& formula, symbolic::Backend backend, 
   batch_.set_previous(points.x_prev);
   batch_.set_initial(points.x_initial);
   batch_.set_time(points.time_step, points.time);
+  const std::set<std::string> shared = formula.shared_parameters();
   for (const ParameterDeclaration& field : parameters_of(formula)) {
     const std::vector<double> numbers = values(field);
     const size_t width = field.width, count = width * batch_.size();
     if (numbers.size() != count)
       throw InvalidArgument(field.name + ": got " + std::to_string(numbers.size()) + " numbers: must be " +
                             std::to_string(count));
-    if (formula.shared_parameters().contains(field.name)) {
+    if (shared.contains(field.name)) {
       batch_.set_uniform(field.name, std::span(numbers).first(width));
       continue;
     }

@@ -30,11 +30,6 @@ symbolic::Vec3 vector_of(const std::vector<Scalar>& values) {
   return v;
 }
 
-template <typename Field>
-int total_width(const std::vector<Field>& fields) {
-  return fields.empty() ? 0 : fields.back().offset + fields.back().width;
-}
-
 bool is_same_role(const ElementField& a, const ElementField& b) { return a.source == b.source; }
 bool is_same_role(const UniformField&, const UniformField&) { return true; }
 

@@ -42,10 +42,9 @@ Scalar outer_formula(const PotentialBuilder& builder, const Scalar& energy,
                      const std::vector<Scalar>& measures, symbolic::Graph& graph) {
   const auto input = [&](InputKind kind, int index) -> Scalar {
     if (kind == InputKind::Unknown) refuse_outside("a position of point " + std::to_string(index / 3));
-    if (kind == InputKind::Element) {
-      const auto next = std::ranges::upper_bound(builder.element_fields(), index, {}, &ElementField::offset);
-      refuse_outside("'" + std::prev(next)->name + "', which each element has its own of,");
-    }
+    if (kind == InputKind::Element)
+      refuse_outside("'" + field_at(builder.element_fields(), index).name +
+                     "', which each element has its own of,");
     return {&graph, graph.input_node(kind, index)};
   };
   return symbolic::substitute(energy, input, [&](NodeId operand) {

@@ -12,19 +12,20 @@ namespace {
 
 std::string owner_text(const ActuatorDescription& actuator) { return "actuator '" + actuator.name + "'"; }
 
+std::map<std::string, double> values_of(const State& state, const ModelActuator& place) {
+  std::map<std::string, double> values;
+  for (size_t p = 0; p < place.law->parameters().size(); ++p)
+    values[place.law->parameters()[p].name] = state.actuator_value[place.value + p];
+  return values;
+}
+
 /// Throws for an actuator that acts on a rate, where nothing has one, unless it is capped at zero.
-void require_no_rates(const ActuatorDescription& actuator, const Actuator& law,
-                      std::span<const double> values) {
+void require_no_rates(const ActuatorDescription& actuator, const std::map<std::string, double>& values) {
   if (!actuator.definition->needs_rates) return;
-  for (size_t p = 0; p < law.parameters().size(); ++p)
-    if (law.parameters()[p].name == "cap" && values[p] == 0.0) return;
+  if (const auto cap = values.find("cap"); cap != values.end() && cap->second == 0.0) return;
   throw InvalidArgument(owner_text(actuator) + ": " + actuator.definition->name +
                         " acts on a rate, and quasistatic steps have none: must be used with "
                         "time.integrator = implicit_euler or bdf2; use position_servo, effort or brake here");
-}
-
-std::span<const double> values_of(const State& state, const ModelActuator& place) {
-  return std::span(state.actuator_value).subspan(place.value, place.law->parameters().size());
 }
 
 }  // namespace
@@ -42,7 +43,7 @@ void Simulation::check_actuators() {
     const ActuatorDescription& actuator = scene_.actuators()[k];
     const Actuator& law = *model_->actuators()[k].law;
     if (actuator.enabled && !has_inertia(settings_.time.integrator))
-      require_no_rates(actuator, law, values_of(state_, model_->actuators()[k]));
+      require_no_rates(actuator, values_of(state_, model_->actuators()[k]));
     const int64_t first = energies_.constraints.place(joints + k).residual;
     for (size_t r = 0; actuator.enabled && r < law.units().size(); ++r) {
       const bool is_length = law.units()[r] == ResidualUnit::Length;
@@ -81,13 +82,10 @@ void Simulation::set_actuator_value(ActuatorId id, const std::string& name, doub
   const ActuatorParameter& parameter = place.law->parameters()[k];
   check_number(owner_text(actuator), name, value, parameter.unit, parameter.rule,
                "it is the " + parameter.doc);
-  std::map<std::string, double> values;
-  for (size_t p = 0; p < place.law->parameters().size(); ++p)
-    values[place.law->parameters()[p].name] = state_.actuator_value[place.value + p];
+  std::map<std::string, double> values = values_of(state_, place);
   values[name] = value;
   check_order(owner_text(actuator), *actuator.definition, values);
-  if (!has_inertia(settings_.time.integrator) && name == "cap")
-    require_no_rates(actuator, *place.law, std::vector(place.law->parameters().size(), value));
+  if (!has_inertia(settings_.time.integrator) && name == "cap") require_no_rates(actuator, values);
   state_.actuator_value[place.value + k] = value;
 }
 
@@ -99,9 +97,8 @@ double Simulation::actuator_value(ActuatorId id, const std::string& name) const 
 
 void Simulation::set_actuator_enabled(ActuatorId id, bool enabled) {
   const ActuatorDescription& actuator = scene_.actuator(id);
-  const ModelActuator& place = model_->actuators()[id.index];
   if (enabled && !has_inertia(settings_.time.integrator))
-    require_no_rates(actuator, *place.law, values_of(state_, place));
+    require_no_rates(actuator, values_of(state_, model_->actuators()[id.index]));
   state_.actuator_enabled[id.index] = enabled ? 1.0 : 0.0;
 }
 

@@ -337,12 +337,12 @@ LinearSolveReport NewtonSolver::solve_with_low_rank(const LowRank& terms, const 
     all = found;
     return found.ok;
   };
-  std::vector<double> rest(system.b.begin(), system.b.end()), along;
   all.ok = correction_.begin(terms, [&](std::span<const double> b, std::span<double> x) {
     return solve(b, std::min(system.tolerance, kColumnTolerance), x);
   });
   if (!all.ok) return all;
-  along = correction_.take_out(rest);
+  std::vector<double> rest(system.b.begin(), system.b.end());
+  const std::vector<double> along = correction_.take_out(rest);
   if (!solve(rest, system.tolerance, direction_)) return all;
   correction_.put_back(along, direction_);
   correction_.apply(direction_);
