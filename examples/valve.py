@@ -110,7 +110,7 @@ def measure(sim):
         pairs = sim.contacts.of("wheel", f"hand.{name}_lower")
         normal = np.linalg.norm(pairs.normal_forces.sum(axis=0))
         series[f"grip_{name}"] = normal
-        series["moment"] += np.cross(pairs.points_a, pairs.forces).sum(axis=0)[2]
+        series["moment"] += pairs.torque_about((0, 0, 0))[2]
         if normal > 0.5:
             # Tips also spin about where they touch: the middle of the contact counts.
             shares = np.linalg.norm(pairs.normal_forces, axis=1) / normal

@@ -36,6 +36,7 @@ class Contacts:
     normal_forces: Array  #: (n, 3) [N]
     frictions: Array  #: (n, 3) [N]
     slips: Array  #: (n, 3) tangential velocity of the first material against the second [m/s]
+    friction_points: Array  #: (n, 3) where friction acts: of corners of flat faces, inside these [m]
 
     def __len__(self) -> int:
         return len(self.distances)
@@ -72,6 +73,16 @@ class Contacts:
         columns = [f.name for f in fields(self)[1:]]
         rows = {c: np.concatenate([getattr(kept, c), getattr(flipped, c)]) for c in columns}
         return Contacts(names=self.names, **rows)
+
+    def torque_about(self, point: ArrayLike) -> Array:
+        """Sum of the torques on the first bodies about a point of the world [m], friction included (3,) [N
+        m]."""
+        center = vector(point, "contacts: torque_about: point")
+        torques = np.cross(self.points_a - center, self.normal_forces) + np.cross(
+            self.friction_points - center, self.frictions
+        )
+        found: Array = torques.sum(axis=0)
+        return found
 
     def vertex_forces(self, count: int) -> Array:
         """Forces on the ``count`` vertices of the first body (count, 3) [N]; use after ``of()``."""
@@ -110,6 +121,7 @@ class Contacts:
             normal_forces=-self.normal_forces,
             frictions=-self.frictions,
             slips=-self.slips,
+            friction_points=self.friction_points,
         )
 
 

@@ -74,9 +74,8 @@ class RobotLink:
         contacts = self.body.contacts(other)
         first, end = self.vertices
         mine = (contacts.vertices[:, 0] >= first) & (contacts.vertices[:, 0] < end)
-        forces = contacts.forces[mine]
-        arms = contacts.points_a[mine] - self.position
-        return Wrench(forces.sum(axis=0), np.cross(arms, forces).sum(axis=0))
+        touching = contacts._take(mine)
+        return Wrench(touching.forces.sum(axis=0), touching.torque_about(self.position))
 
     def _mesh(self, shapes: Sequence[Any]) -> TriangleMesh | None:
         parts = [mesh_of(shape, self.source, f"link '{self.name}'") for shape in shapes]

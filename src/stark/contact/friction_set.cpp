@@ -80,7 +80,8 @@ FrictionSet::FrictionSet(const FrictionPotentials& potentials, double stick_disp
 
 void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std::span<const Vec3> x,
                              DisplacementReference reference) {
-  if (mesh_ != &mesh) carriers_ = FrictionCarriers(mesh, rigid_sites_);
+  if (mesh_ != &mesh)
+    carriers_ = FrictionCarriers(mesh, rigid_sites_, FrictionLevers(mesh, lever_sites_, patch_));
   mesh_ = &mesh;
   memory_ = std::move(memory);
   x_start_.assign(x.begin(), x.end());
@@ -93,16 +94,18 @@ void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std
 
 FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionCoefficient& mu,
                                          const Vec3& force, std::span<const Vec3> x) const {
+  const Pair* before = resets_ > 0 ? find(contact.key) : nullptr;
+  // Arms that followed the iterates of an impact would keep friction from settling.
+  const std::optional<LeverArm> arm = before ? std::optional(before->stencil.arm) : std::nullopt;
   Pair pair{.contact = contact,
-            .stencil = carriers_.stencil(*mesh_, contact, x),
+            .stencil = carriers_.stencil(*mesh_, contact, x, arm),
             .normal = normalized(force),
             .force = norm(force)};
   pair.is_anisotropic = mu.is_anisotropic();
   if (pair.is_anisotropic) set_axes(mu, x, pair);
-  pair.drift = drift(contact, pair.normal, x);
+  pair.drift = drift(contact, pair.normal, x, pair.stencil.shift);
   const int64_t known = find_bristles(contact, x);
-  const Pair* before = find(contact.key);
-  if (resets_ > 0 && before != nullptr && before->modelled) {
+  if (before != nullptr && before->modelled) {
     pair.dual = turned(before->dual, pair.normal);
     pair.modelled = turned(*before->modelled, pair.normal);
   }
@@ -115,7 +118,7 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
   }
   if (resets_ >= kGeometryResets && before != nullptr) {
     pair.contact = before->contact;
-    pair.stencil = carriers_.stencil(*mesh_, pair.contact, x);
+    pair.stencil = carriers_.stencil(*mesh_, pair.contact, x, arm);
     pair.normal = before->normal;
     pair.deflection = before->deflection;
     pair.along = before->along;
@@ -143,7 +146,8 @@ int64_t FrictionSet::find_bristles(const Contact& contact, std::span<const Vec3>
   return -1;
 }
 
-Vec3 FrictionSet::drift(const Contact& contact, const Vec3& normal, std::span<const Vec3> x) const {
+Vec3 FrictionSet::drift(const Contact& contact, const Vec3& normal, std::span<const Vec3> x,
+                        const Vec3& shift) const {
   if (moving_.empty()) return {};
   // Displacements that are differences of places are chords of what turns; those of bdf2 are velocities.
   const bool is_chord = reference_.scale == 1.0;
@@ -151,7 +155,7 @@ Vec3 FrictionSet::drift(const Contact& contact, const Vec3& normal, std::span<co
   for (const bool is_a : {true, false}) {
     const int first = is_a ? 0 : contact.side_a_count,
               end = is_a ? contact.side_a_count : contact.point_count;
-    Vec3 point;
+    Vec3 point = shift;
     for (int p = first; p < end; ++p) point += x[contact.sites[p]] * std::fabs(contact.weights[p]);
     const int32_t group = mesh_->vertex_group[contact.sites[first]];
     way += moving_.way(group, point, x, reference_.duration, is_chord) * (is_a ? 1.0 : -1.0);
@@ -413,7 +417,8 @@ std::map<PairKey, FrictionSet::PairMotion> FrictionSet::motions(std::span<const 
     motions[pair.contact.key] = {.force = force(pair, x) * sign,
                                  .motion = motion * sign,
                                  .contact = pair.contact,
-                                 .normal = pair.normal};
+                                 .normal = pair.normal,
+                                 .stencil = pair.stencil};
   }
   return motions;
 }

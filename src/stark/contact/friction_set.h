@@ -50,6 +50,12 @@ class FrictionSet {
   /// Sites whose bodies are rigid, true by site; none by default.
   void set_rigid_sites(std::vector<bool> rigid) { rigid_sites_ = std::move(rigid); }
 
+  /// Sites where friction of corners of flat faces acts, and the flat faces by triangle; none by default.
+  void set_levers(std::vector<LeverSite> sites, std::vector<int32_t> patch) {
+    lever_sites_ = std::move(sites);
+    patch_ = std::move(patch);
+  }
+
   /// Surfaces that move along themselves; none by default.
   void set_moving_surfaces(MovingSurfaces surfaces) { moving_ = std::move(surfaces); }
   /// Their velocities [m/s] and spins [rad/s] in the coming step.
@@ -99,6 +105,7 @@ class FrictionSet {
     Vec3 motion;
     Contact contact;  ///< as friction was frozen
     Vec3 normal;      ///< unit, to side A
+    FrictionStencil stencil;
   };
   /// Friction of the pairs at site positions x.
   std::map<PairKey, PairMotion> motions(std::span<const Vec3> x) const;
@@ -109,8 +116,9 @@ class FrictionSet {
   /// Work that the drives of moving surfaces do against friction in the step that ends at x [J].
   double surface_work(std::span<const Vec3> x) const;
   /// Displacement of the material of side A of a contact against that of side B, in the plane of a unit
-  /// normal, that the motion of the bodies does not have [m].
-  Vec3 drift(const Contact& contact, const Vec3& normal, std::span<const Vec3> x) const;
+  /// normal, that the motion of the bodies does not have, at closest points that are shifted [m].
+  Vec3 drift(const Contact& contact, const Vec3& normal, std::span<const Vec3> x,
+             const Vec3& shift = {}) const;
 
   /// Energies at x are compared with those at the last remember(), element by element.
   void remember(std::span<const Vec3> x);
@@ -177,6 +185,8 @@ class FrictionSet {
   SurfaceDirections directions_;
   MovingSurfaces moving_;
   std::vector<bool> rigid_sites_;
+  std::vector<LeverSite> lever_sites_;
+  std::vector<int32_t> patch_;
   FrictionCarriers carriers_;  ///< of the mesh
   const SurfaceMesh* mesh_ = nullptr;
   FrictionMemory memory_;

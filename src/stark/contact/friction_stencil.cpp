@@ -58,10 +58,12 @@ FrictionStencil closest_points(const Contact& contact) {
   return stencil;
 }
 
-FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> rigid_sites)
+FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> rigid_sites,
+                                   FrictionLevers levers)
     : rigid_sites_(std::move(rigid_sites)),
       triangles_of_edge_(mesh.edges.size(), {-1, -1}),
-      triangle_of_vertex_(mesh.vertex_count, -1) {
+      triangle_of_vertex_(mesh.vertex_count, -1),
+      levers_(std::move(levers)) {
   std::vector<std::pair<Index2, int32_t>> edges;
   for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e)
     edges.push_back({sorted(mesh.edges[e][0], mesh.edges[e][1]), e});
@@ -128,8 +130,14 @@ FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, 
   return {of(at_vertex(key.first)), {key.second, -1}};
 }
 
+LeverArm FrictionCarriers::arm_of(const SurfaceMesh& mesh, const Contact& contact, const Index3& triangle,
+                                  const Vec3& normal, std::span<const Vec3> x) const {
+  if (levers_.empty() || contact.key.kind != PairKind::PointTriangle || !is_rigid(triangle[0])) return {};
+  return levers_.arm(mesh, contact, contact.key.second, normal, x);
+}
+
 FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact& contact,
-                                          std::span<const Vec3> x) const {
+                                          std::span<const Vec3> x, std::optional<LeverArm> arm) const {
   const Carrier carrier = carrier_of(mesh, contact, x);
   if (!carrier.triangle) return closest_points(contact);
   const Index3& triangle = *carrier.triangle;
@@ -138,12 +146,18 @@ FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact
   FrictionStencil stencil{.facing = frame.normal};
   Vec3 point;         // of friction, on the other side
   double side = 0.0;  // 1 where that is A, -1 where it is B
+  stencil.arm = arm ? *arm : arm_of(mesh, contact, triangle, frame.normal, x);
   for (int p = 0; p < contact.point_count; ++p) {
     const int32_t site = contact.sites[p];
     if (site != carrier.other[0] && site != carrier.other[1]) continue;
-    add(stencil, site, contact.weights[p], {});
-    point += x[site] * contact.weights[p];
-    side += contact.weights[p];
+    const double weight = contact.weights[p], moved = weight * stencil.arm.part;
+    if (stencil.arm.part < 1.0) add(stencil, site, weight - moved, {});
+    point += x[site] * weight;
+    side += weight;
+    if (stencil.arm.part == 0.0) continue;
+    add(stencil, stencil.arm.site, moved, {});
+    stencil.shift = (x[stencil.arm.site] - x[site]) * stencil.arm.part;
+    point += stencil.shift * weight;
   }
   side = side > 0.0 ? 1.0 : -1.0;
   const Vec3 from_centre = point * side - frame.centre;

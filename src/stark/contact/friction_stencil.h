@@ -12,6 +12,7 @@
 #include <stark/base/math.h>
 #include <stark/collision/candidates.h>
 #include <stark/contact/contact_set.h>
+#include <stark/contact/friction_levers.h>
 
 namespace stark {
 
@@ -26,6 +27,8 @@ struct FrictionStencil {
   std::array<double, kFrictionPoints> weights{};  ///< sum to zero
   std::array<Vec3, kFrictionPoints> slopes{};     ///< sum to zero; the turning of the carrying triangle
   Vec3 facing;                                    ///< its unit normal, zero when nothing carries
+  Vec3 shift;                                     ///< of the point from the closest one [m]
+  LeverArm arm;                                   ///< that shifts it
 
   Vec3 motion(std::span<const Vec3> x, std::span<const Vec3> reference) const;
 };
@@ -38,11 +41,14 @@ class FrictionCarriers {
  public:
   FrictionCarriers() = default;
   /// rigid_sites: by site, whether its body is rigid; none where it is empty.
-  explicit FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> rigid_sites = {});
+  explicit FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> rigid_sites = {},
+                            FrictionLevers levers = {});
 
   /// Stencil of a contact at site positions x. Points against triangles, and edges of which one is of a rigid
   /// body; otherwise the closest points as they are.
-  FrictionStencil stencil(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x) const;
+  /// arm: to be kept; none: by the positions.
+  FrictionStencil stencil(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x,
+                          std::optional<LeverArm> arm = {}) const;
 
  private:
   struct Carrier {
@@ -57,11 +63,16 @@ class FrictionCarriers {
   /// Of the surface that a point touches.
   std::optional<Index3> triangle_at_point(const SurfaceMesh& mesh, const Contact& contact) const;
 
+  /// Where friction of a corner of a rigid body acts that touches this triangle of unit normal.
+  LeverArm arm_of(const SurfaceMesh& mesh, const Contact& contact, const Index3& triangle, const Vec3& normal,
+                  std::span<const Vec3> x) const;
+
   bool is_rigid(int32_t site) const { return !rigid_sites_.empty() && rigid_sites_[site]; }
 
   std::vector<bool> rigid_sites_;
   std::vector<Index2> triangles_of_edge_;    ///< -1 where there is none
   std::vector<int32_t> triangle_of_vertex_;  ///< one of them, -1 where there is none
+  FrictionLevers levers_;
 };
 
 }  // namespace stark

@@ -118,6 +118,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
   std::vector<bool> rigid;
   for (int32_t i = 0; i < map.site_count(); ++i) rigid.push_back(map.site(i).kind == SiteKind::RigidPoint);
   friction_.set_rigid_sites(std::move(rigid));
+  friction_.set_levers(std::move(surfaces.levers), std::move(surfaces.patch));
   friction_.set_moving_surfaces(MovingSurfaces(std::move(surfaces.moving)));
 }
 
@@ -417,6 +418,7 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
       const double side = orientation(mesh(), entry.contact);
       entry.friction = found->second.force * side;
       motion = found->second.motion * side;
+      if (found->second.stencil.shift != Vec3{}) entry.friction_at = found->second.stencil;
       frictions.erase(found);
     } else {
       motion += friction_.drift(entry.contact, n, x);

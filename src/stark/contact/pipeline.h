@@ -30,6 +30,7 @@ struct ContactSurfaces {
   std::vector<BodyStiffness> stiffness{};     ///< by group; none: 1 Pa for all
   std::vector<double> core{};                 ///< by group, see ContactGeometry [m]; none: 0 for all
   std::vector<int32_t> patch{};               ///< by triangle, see AreaWeights; none: each is a patch
+  std::vector<LeverSite> levers{};            ///< of flat faces of rigid bodies
   std::vector<uint8_t> is_sheet{};            ///< by group, see AreaWeights
   RestitutionTable restitution{};
   std::vector<MovingSurface> moving{};
@@ -53,6 +54,7 @@ struct ContactForce {
   Vec3 normal_force;      ///< on side A [N]
   Vec3 friction;          ///< on side A [N]
   Vec3 slip;              ///< tangential velocity of the material of side A against that of side B [m/s]
+  FrictionStencil friction_at{};  ///< where friction acts; without points: at the closest ones
 };
 
 /// Surfaces within their contact distances: the smallest distance [m], infinity without any; and the two

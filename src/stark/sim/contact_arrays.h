@@ -16,6 +16,7 @@ struct ContactArrays {
   std::vector<int32_t> first_counts;           ///< so many vertices belong to the first body
   std::vector<double> distances;               ///< [m]
   std::vector<Vec3> points_a, points_b;        ///< closest points [m]
+  std::vector<Vec3> friction_points;           ///< where friction acts [m]
   std::vector<Vec3> normal_forces, frictions;  ///< [N]
   std::vector<Vec3> slips;  ///< tangential velocity of the first body against the other [m/s]
 
@@ -29,6 +30,7 @@ struct ContactArrays {
     function("distances", distances);
     function("points_a", points_a);
     function("points_b", points_b);
+    function("friction_points", friction_points);
     function("normal_forces", normal_forces);
     function("frictions", frictions);
     function("slips", slips);

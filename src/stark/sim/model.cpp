@@ -32,6 +32,7 @@ void Model::Builder::build() {
   add_energy_sites();
   add_joint_sites();
   add_attachment_sites();
+  add_levers();
   model.map_ = KinematicMap(std::move(layout), std::move(sites), std::move(embedded));
   for (int32_t i = 0; i < scene.body_count(); ++i)
     scene.visit(BodyId{i}, [&](const auto& body) { add_energies(BodyId{i}, body); });
@@ -149,6 +150,11 @@ Model::Model(const Scene& scene, const Settings& settings, Energies& out_energie
   initial_state_.internal_variable = internal_values(out_energies);
 }
 
+const ModelLever* Model::find_lever(int32_t site) const {
+  const auto found = std::ranges::lower_bound(levers_, site, {}, &ModelLever::site);
+  return found != levers_.end() && found->site == site ? &*found : nullptr;
+}
+
 std::vector<Vec3> Model::site_positions(const State& state) const {
   std::vector<Vec3> x(map_.site_count());
   map_.positions({state.point_position, state.body_position, state.body_rotation}, x);
@@ -228,8 +234,10 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
   SurfaceMesh& mesh = surfaces.mesh;
   mesh.vertex_count = map_.site_count();
   mesh.vertex_group.assign(mesh.vertex_count, 0);
+  std::vector<int32_t> first_triangle;  // by body
   for (size_t b = 0; b < bodies_.size(); ++b) {
     const BodyId id{static_cast<int32_t>(b)};
+    first_triangle.push_back(static_cast<int32_t>(mesh.triangles.size()));
     // Directions may differ from triangle to triangle, so such a face is not taken for one.
     const bool has_faces = scene.surface_directions(id).size() <= 1;
     const bool moves = scene.motion(id) != Motion::Fixed;
@@ -238,6 +246,11 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     surfaces.stiffness.push_back(contact_stiffness(scene, *this, id, settings));
     surfaces.core.push_back(scene.contact_core(id));
     surfaces.is_sheet.push_back(row_of(bodies_[b].kind).is_thin);
+  }
+  for (const ModelLever& lever : levers_) {
+    mesh.vertex_group[lever.site] = -1;  // of no surface, though on one
+    surfaces.levers.push_back({bodies_[lever.body].first_site + lever.vertex,
+                               first_triangle[lever.body] + lever.triangle, lever.site});
   }
   // Each triangle a face of its own: nothing to choose from, in every search for contacts.
   const auto triangles = std::views::iota(int32_t{0}, static_cast<int32_t>(surfaces.face.size()));

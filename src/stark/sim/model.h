@@ -75,6 +75,13 @@ struct HeldPlace {
   bool has_axes = false;  ///< kPlaceNumbers there; else the position alone, of a pair of an attachment
 };
 
+/// A point inside a flat face of a rigid body, where friction of a vertex of its border acts
+/// (geometry/face_levers.h).
+struct ModelLever {
+  int32_t site = 0, body = 0;
+  int32_t vertex = 0, triangle = 0;  ///< of the body's mesh
+};
+
 /// Frames of the nodes of fibres, path by path, in the body arrays of the state; without bending there are
 /// none.
 struct ModelFibres {
@@ -103,6 +110,9 @@ class Model {
   /// By actuator of the scene. In the constraint set they follow the joints.
   const std::vector<ModelActuator>& actuators() const { return actuators_; }
   const std::vector<ModelAttachment>& attachments() const { return attachments_; }  ///< by attachment
+  const std::vector<ModelLever>& levers() const { return levers_; }                 ///< by site, ascending
+  /// The one at a site; null if it is of something else.
+  const ModelLever* find_lever(int32_t site) const;
   const std::vector<HeldPlace>& held_places() const { return held_places_; }  ///< by constraint, ascending
   /// State::held_place at time 0, which is empty in states until one of them is taken anew.
   const std::vector<double>& initial_places() const { return initial_places_; }
@@ -136,6 +146,7 @@ class Model {
   std::vector<JointSide> joint_sides_;
   std::vector<ModelActuator> actuators_;
   std::vector<ModelAttachment> attachments_;
+  std::vector<ModelLever> levers_;
   std::vector<HeldPlace> held_places_;
   std::vector<double> initial_places_;
   std::vector<ModelFibres> fibres_;

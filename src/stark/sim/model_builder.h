@@ -44,6 +44,8 @@ struct Model::Builder {
   void add_rigids();
   void add_rigid_sites();
   void add_axis_sites(int32_t body);
+  /// Where friction of the corners of flat faces acts.
+  void add_levers();
   void add_rods();
   void add_rod_nodes(BodyId id);
   void add_rod_sites();

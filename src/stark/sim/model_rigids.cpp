@@ -1,6 +1,7 @@
 // Rigid bodies of a model: mass in the principal frame, sites; inertia of everything that moves.
 #include <algorithm>
 
+#include <stark/geometry/face_levers.h>
 #include <stark/geometry/mass_properties.h>
 #include <stark/sim/model_builder.h>
 
@@ -71,6 +72,24 @@ void Model::Builder::add_rigid_sites() {
         {.kind = SiteKind::RigidPoint, .index = body.rigid_index, .local = {}, .points = {}, .weights = {}});
     add_axis_sites(body.rigid_index);
     model.rest_positions_.resize(sites.size());
+  }
+}
+
+void Model::Builder::add_levers() {
+  if (!settings.contact.enabled || !settings.contact.friction) return;
+  for (const int32_t i : rigid_bodies) {
+    // Directions may differ from triangle to triangle, so such a face is not taken for one (make_surfaces).
+    if (scene.surface_directions(BodyId{i}).size() > 1) continue;
+    const ModelBody& body = model.bodies_[i];
+    for (const FaceLever& lever : find_face_levers(scene.rigid(BodyId{i}).mesh.vertices, body.triangles)) {
+      model.levers_.push_back({static_cast<int32_t>(sites.size()), i, lever.vertex, lever.triangle});
+      sites.push_back({.kind = SiteKind::RigidPoint,
+                       .index = body.rigid_index,
+                       .local = transpose(body.axes) * (lever.place - body.centre),
+                       .points = {},
+                       .weights = {}});
+      model.rest_positions_.push_back(lever.place);
+    }
   }
 }
 

@@ -1,5 +1,7 @@
 // What the last step did, as sensors see it: contacts with their forces, accelerations of rigid bodies.
+#include <array>
 #include <cmath>
+#include <span>
 
 #include <stark/base/error.h>
 #include <stark/sim/simulation_parts.h>
@@ -33,18 +35,52 @@ Vec3 Simulation::contact_force(BodyId body) const {
   return sum;
 }
 
+namespace {
+
+/// Barycentric coordinates of a point in the plane of a triangle.
+std::array<double, 3> shares_of(const Vec3& point, const std::array<Vec3, 3>& t) {
+  const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
+  const double b = dot(cross(point - t[0], t[2] - t[0]), n) / squared_norm(n);
+  const double c = dot(cross(t[1] - t[0], point - t[0]), n) / squared_norm(n);
+  return {1.0 - b - c, b, c};
+}
+
+/// Adds friction that acts beside the closest points to what the vertices of a body bear.
+void add_friction(const Model& model, int32_t body, const ContactForce& entry, std::span<const Vec3> x,
+                  std::vector<Vec3>& forces) {
+  const ModelBody& of = model.bodies()[body];
+  const FrictionStencil& at = entry.friction_at;
+  for (int p = 0; p < at.point_count; ++p) {
+    const Vec3 force = entry.friction * at.weights[p] + at.facing * dot(at.slopes[p], entry.friction);
+    if (const ModelLever* lever = model.find_lever(at.sites[p])) {
+      if (lever->body != body) continue;
+      const Index3& t = of.triangles[lever->triangle];
+      const int32_t first = of.first_site;
+      const auto shares = shares_of(x[at.sites[p]], {x[first + t[0]], x[first + t[1]], x[first + t[2]]});
+      for (int k = 0; k < 3; ++k) forces[t[k]] += force * shares[k];
+    } else if (at.sites[p] >= of.first_site && at.sites[p] < of.first_site + of.site_count) {
+      forces[at.sites[p] - of.first_site] += force;
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<Vec3> Simulation::vertex_contact_forces(BodyId body) const {
   scene_.name(body);
   const ModelBody& of = model().bodies()[body.index];
   std::vector<Vec3> forces(of.site_count);
+  const std::vector<Vec3> x = site_positions();
   for (const ContactForce& entry : contacts()) {
     const Contact& contact = entry.contact;
+    const bool is_beside = entry.friction_at.point_count > 0;
     for (int p = 0; p < contact.point_count; ++p) {
       const int32_t group = p < contact.side_a_count ? contact.group_a : contact.group_b;
       if (group == body.index)  // weights of side B are negative, as its forces are
         forces[contact.sites[p] - of.first_site] +=
-            (entry.normal_force + entry.friction) * contact.weights[p];
+            (is_beside ? entry.normal_force : entry.normal_force + entry.friction) * contact.weights[p];
     }
+    if (is_beside) add_friction(model(), body.index, entry, x, forces);
   }
   return forces;
 }

@@ -25,6 +25,7 @@ def pair() -> Contacts:
         normal_forces=np.array([[0.0, 0.0, 8.0], [0.0, 0.0, 2.0]]),
         frictions=np.array([[1.0, 0.0, 0.0], [0.0, -0.5, 0.0]]),
         slips=np.array([[-0.1, 0.0, 0.0], [0.0, 0.2, 0.0]]),
+        friction_points=np.array([[0.0, 0.25, 0.5], [1.0, 0.0, 0.25]]),
     )
 
 

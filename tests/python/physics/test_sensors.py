@@ -65,8 +65,11 @@ def test_torque_of_contact_is_that_of_a_box_pushed_at_its_side() -> None:
     # The floor gets the opposite, but for friction of 8 N on both sides of a gap of at most 0.5 mm.
     assert sim["floor"].contact_torque_about(point) == pytest.approx(-moved, abs=8.0 * 5e-4)
     contacts = box.contacts("floor")
-    arms = contacts.points_a - point
-    assert np.cross(arms, contacts.forces).sum(axis=0) == pytest.approx(moved, abs=1e-9)
+    # Normal forces act at the corners, friction inside the face.
+    assert contacts.torque_about(point) == pytest.approx(moved, abs=1e-9)
+    arms, inside = contacts.points_a - point, contacts.friction_points - point
+    torques = np.cross(arms, contacts.normal_forces) + np.cross(inside, contacts.frictions)
+    assert torques.sum(axis=0) == pytest.approx(moved, abs=1e-9)
     with pytest.raises(stark.InvalidArgument, match="contact_torque_about: point"):
         box.contact_torque_about((0, 0))
 

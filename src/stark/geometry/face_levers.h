@@ -1,0 +1,24 @@
+// Where friction of the corners of a flat face acts, so that it takes the torque of an even pressure.
+//
+// Corners are farther from the middle of a face than the pressure that they stand for: sliding about the
+// normal would meet the mean distance of the corners, 1.85 times that of the points of a square.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <stark/geometry/mesh.h>
+
+namespace stark {
+
+/// A vertex of the border of a flat face, a triangle of that face, and the place of the vertex's share.
+struct FaceLever {
+  int32_t vertex = 0, triangle = 0;
+  Vec3 place;  ///< between the vertex and the centre of the face [m]
+};
+
+/// Of all large, convex flat faces without vertices inside; vertices inside carry pressure themselves. Large:
+/// from a twentieth of the surface on; what has smaller ones is round. Sorted by vertex, then triangle.
+std::vector<FaceLever> find_face_levers(std::span<const Vec3> vertices, std::span<const Index3> triangles);
+
+}  // namespace stark
