@@ -70,12 +70,38 @@ ROBOT = Record(
                             ),
                             None,
                         ),
+                        "servo": Field(
+                            Maybe(
+                                Record(
+                                    {"stiffness": Field(Number()), "damping": Field(Number(), 0.0)},
+                                )
+                            ),
+                            None,
+                            "gains that the file has",
+                        ),
                         "number": Field(Maybe(Whole()), None, "of the joint of the scene"),
                     }
                 ),
                 10_000,
             ),
             [],
+        ),
+        "closures": Field(
+            Listing(
+                Record(
+                    {
+                        "name": Field(Text()),
+                        "kind": Field(Text(("ball", "fixed"))),
+                        "links": Field(Listing(Text(), 2)),
+                        "positions": Field(Array((2, 3), "m"), doc="of its frames in those of the links"),
+                        "rotations": Field(Array((2, 3, 3))),
+                        "number": Field(Whole(), doc="of the joint of the scene"),
+                    }
+                ),
+                10_000,
+            ),
+            [],
+            "joints that close loops of links",
         ),
         "excluded": Field(Listing(Listing(Text(), 2), 100_000), [], "pairs of links that do not touch"),
         "start": Field(Array((None,)), doc="coordinates at time 0 [rad, m]"),

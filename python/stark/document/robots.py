@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stark.body_kinds import has_pose
-from stark.robots.description import Inertia, Link, Mimic, RobotDescription, RobotJoint
+from stark.robots.description import Closure, Gains, Inertia, Link, Mimic, RobotDescription, RobotJoint
 from stark.robots.drives import Drives
 from stark.robots.handle import Robot
 from stark.robots.kinematics import Placement
@@ -38,6 +38,7 @@ def described(robot: Robot) -> dict[str, Any]:
         "rotation": description.placement[1],
         "links": [_link(robot._links[name]) for name in description.links],
         "joints": [_joint(robot, joint) for joint in description.joints.values()],
+        "closures": [_closure(robot, closure) for closure in description.closures.values()],
         "excluded": [list(pair) for pair in description.excluded],
         "start": robot._start,
         "report": [
@@ -80,8 +81,22 @@ def _joint(robot: Robot, joint: RobotJoint) -> dict[str, Any]:
         "mimic": None
         if mimic is None
         else {"joint": mimic.joint, "ratio": mimic.ratio, "offset": mimic.offset},
+        "servo": None
+        if joint.servo is None
+        else {"stiffness": joint.servo.stiffness, "damping": joint.servo.damping},
         "number": None if known is None else known._index,
         "shift": robot._shifts.get(joint.name, 0.0),
+    }
+
+
+def _closure(robot: Robot, closure: Closure) -> dict[str, Any]:
+    return {
+        "name": closure.name,
+        "kind": closure.kind,
+        "links": list(closure.links),
+        "positions": np.array([position for position, _ in closure.frames]),
+        "rotations": np.array([rotation for _, rotation in closure.frames]),
+        "number": robot._closures[closure.name]._index,
     }
 
 
@@ -107,8 +122,15 @@ def add_robot(scene: Any, row: Mapping[str, Any], where: str) -> None:
     if len(row["start"]) != len(description.coordinates):
         raise DocumentError(f"{where}.start: must have {len(description.coordinates)} numbers")
     flexes = {flex["name"]: _flex(scene, flex["body"], where) for flex in row["flexes"]}
-    start = row["start"]
-    robot = Robot(scene, row["name"], description, description.report, links, joints, shifts, start, flexes)
+    if any(closure["number"] >= len(scene._joints) for closure in row["closures"]):
+        raise DocumentError(f"{where}: closures must be joints of the scene")
+    closures = {closure["name"]: scene._joints[closure["number"]] for closure in row["closures"]}
+    robot = Robot(
+        *(scene, row["name"], description, description.report, links, joints, shifts),
+        row["start"],
+        flexes,
+        closures,
+    )
     for k, drives in enumerate(row["drives"]):
         _add_drives(scene, robot, drives, f"{where}.drives[{k}]")
     scene._robots.append(robot)
@@ -142,9 +164,12 @@ def _description(
         RobotJoint(
             **{name: joint[name] for name in _PLAIN},
             mimic=None if joint["mimic"] is None else Mimic(**joint["mimic"]),
+            servo=None if joint["servo"] is None else Gains(**joint["servo"]),
         )
         for joint in row["joints"]
     ]
+    if any(len(closure["links"]) != 2 for closure in row["closures"]):
+        raise DocumentError(f"{where}: closures must have two links")
     if len(links) < len(row["links"]) or any(len(pair) != 2 for pair in row["excluded"]):
         raise DocumentError(f"{where}: names of links must be unique, excluded ones pairs")
     description = RobotDescription(
@@ -155,8 +180,15 @@ def _description(
         base=row["base"],
         placement=(row["position"], row["rotation"]),
         report=report,
+        closures=[_loaded(closure) for closure in row["closures"]],
     )
     return description, links
+
+
+def _loaded(row: Mapping[str, Any]) -> Closure:
+    first, second = zip(row["positions"], row["rotations"], strict=True)
+    a, b = row["links"]
+    return Closure(row["name"], row["kind"], (a, b), (first, second))
 
 
 def _add_drives(scene: Any, robot: Robot, row: Mapping[str, Any], where: str) -> None:

@@ -3,7 +3,17 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stark.robots.description import Flex, Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
+    from stark.robots.description import (
+        Closure,
+        Flex,
+        Gains,
+        Geometry,
+        Inertia,
+        Link,
+        Mimic,
+        RobotDescription,
+        RobotJoint,
+    )
     from stark.robots.drives import Drives
     from stark.robots.handle import Robot
     from stark.robots.inverse import Reach
@@ -20,7 +30,9 @@ else:
             "stark.robots.handle": "Robot",
             "stark.robots.inverse": "Reach",
             "stark.robots.link": "RobotLink",
-            "stark.robots.description": "Flex Geometry Inertia Link Mimic RobotDescription RobotJoint",
+            "stark.robots.description": (
+                "Closure Flex Gains Geometry Inertia Link Mimic RobotDescription RobotJoint"
+            ),
             "stark.robots.drives": "Drives",
             "stark.robots.reading": "read",
             "stark.robots.report": "Finding Report",
@@ -28,9 +40,11 @@ else:
     )
 
 __all__ = [
+    "Closure",
     "Drives",
     "Finding",
     "Flex",
+    "Gains",
     "Geometry",
     "Inertia",
     "Link",

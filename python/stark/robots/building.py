@@ -19,7 +19,8 @@ from stark.joints.handle import Joint
 from stark.mesh import TriangleMesh, joined
 from stark.robots import kinematics
 from stark.robots.checks import check_reach, is_nothing, refuse_impossible
-from stark.robots.description import Flex, Geometry, Inertia, Link, RobotDescription, RobotJoint
+from stark.robots.closing import close
+from stark.robots.description import Closure, Flex, Geometry, Inertia, Link, RobotDescription, RobotJoint
 from stark.robots.flexes import Carrier, add_flex
 from stark.robots.handle import Robot
 from stark.robots.kinematics import WORLD, Placement, limits_of
@@ -30,6 +31,8 @@ from stark.selections import FrameHandle, rigid_frame, world_frame
 
 Floats = NDArray[np.float64]
 
+#: Joints of the scene by those of a description; others are hinges.
+_KINDS = {"fixed": "fixed", "prismatic": "slider", "ball": "ball"}
 BASES = ("fixed", "floating", "scripted")
 _TURN = 2.0 * math.pi
 #: Of the mass and largest moment of a link with several joints, for the links between these.
@@ -86,6 +89,7 @@ class _Builder:
             self.body_of[group.root] = self._add_body(group)
         for joint in self.robot.joints.values():
             self._add_joint(joint)
+        closures = {closure.name: self._add_closure(closure) for closure in self.robot.closures.values()}
         for joint in self.robot.joints.values():
             if joint.is_moving:
                 self._add_effects(joint)
@@ -107,6 +111,7 @@ class _Builder:
             self.shifts,
             self.q,
             flexes,
+            closures,
         )
 
     # --- start ---
@@ -130,7 +135,18 @@ class _Builder:
             self.report.add(
                 "assumed", f"joint '{name}'", f"starts at its limit {q[k]:g} {unit}, as 0 is beyond"
             )
-        return q
+        return self._closed(q, given)
+
+    def _closed(self, q: Floats, given: kinematics.Values) -> Floats:
+        """With loops closed by the coordinates that were not given; the file has them closed at its own."""
+
+        def frames(q: Floats) -> Mapping[str, Placement]:
+            return kinematics.placements(self.robot, q)
+
+        names = self.robot.coordinates
+        held = [k for k, name in enumerate(names) if not isinstance(given, Mapping) or name in given]
+        start = np.clip([self.robot.joints[name].reference for name in names], *limits_of(self.robot))
+        return close(self.robot, start, q, held, frames, f"{self.robot.source}: q")
 
     def _groups(self) -> list[Group]:
         """From the base outwards."""
@@ -310,7 +326,7 @@ class _Builder:
         turned = frame_with_z(joint.axis, f"joint '{joint.name}'") if joint.is_moving else np.eye(3)
         at_parent = parent.frames[joint.parent].at(joint.position, joint.rotation).at(joint.anchor, turned)
         at_child = child.frames[joint.child].at(joint.anchor, turned)
-        kind = {"fixed": "fixed", "prismatic": "slider"}.get(joint.kind, "hinge")
+        kind = _KINDS.get(joint.kind, "hinge")
         self.joints[joint.name] = self.scene.add_joint(
             kind,
             self._frame(parent, at_parent),
@@ -321,6 +337,20 @@ class _Builder:
             value = kinematics.joint_values(self.robot, self.q)[joint.name] - joint.reference
             turns = 0 if joint.kind == "prismatic" else round((value - _wrapped(value)) / _TURN)
             self.shifts[joint.name] = joint.reference + turns * _TURN
+
+    def _add_closure(self, closure: Closure) -> Joint:
+        groups = [self.group_of[link] for link in closure.links]
+        if groups[0] is groups[1]:
+            raise InvalidArgument(
+                f"{self.robot.source}: closure '{closure.name}': holds '{closure.links[0]}' and "
+                f"'{closure.links[1]}', which are fixed to each other: must hold what moves; leave it out"
+            )
+        a, b = (
+            self._frame(group, group.frames[link].at(*frame))
+            for group, link, frame in zip(groups, closure.links, closure.frames, strict=True)
+        )
+        joint: Joint = self.scene.add_joint(closure.kind, a, b, name=f"{self.options.name}.{closure.name}")
+        return joint
 
     def _frame(self, group: Group, frame: Placement) -> FrameHandle:
         body = self.body_of[group.root]

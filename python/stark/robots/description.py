@@ -16,7 +16,8 @@ from stark.robots.report import Report
 Floats = NDArray[np.float64]
 
 #: Kinds of joints; those of MOVING have one coordinate.
-KINDS = ("fixed", "revolute", "continuous", "prismatic", "floating")
+KINDS = ("fixed", "revolute", "continuous", "prismatic", "ball", "floating")
+CLOSING = ("ball", "fixed")
 MOVING = ("revolute", "continuous", "prismatic")
 SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
 
@@ -93,6 +94,15 @@ class Mimic:
     offset: float = 0.0
 
 
+@dataclass(frozen=True)
+class Gains:
+    """Of the servo that a file has on a joint: ``stiffness`` [N m/rad, N/m], ``damping`` [N m s/rad,
+    N s/m]."""
+
+    stiffness: float
+    damping: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class RobotJoint:
     """A joint of a description. ``position`` (3,) [m] and ``rotation`` (3, 3) place the frame of the child in
@@ -118,6 +128,7 @@ class RobotJoint:
     stiffness: float = 0.0  # of a spring
     rest: float = 0.0  # of that spring
     mimic: Mimic | None = None
+    servo: Gains | None = None
 
     @property
     def is_moving(self) -> bool:
@@ -128,6 +139,17 @@ class RobotJoint:
     def unit(self) -> str:
         """Of its coordinate."""
         return "m" if self.kind == "prismatic" else "rad"
+
+
+@dataclass(frozen=True, eq=False)
+class Closure:
+    """What closes a loop: a joint of a ``kind``, "ball" or "fixed", between two ``links`` of the tree.
+    ``frames``: origin (3,) [m] and axes (3, 3) of the joint in each of them."""
+
+    name: str
+    kind: str
+    links: tuple[str, str]
+    frames: tuple[tuple[Floats, Floats], tuple[Floats, Floats]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +202,7 @@ class Flex:
         return self.cells.shape[1] == 2
 
 
-_Part = TypeVar("_Part", Link, RobotJoint, Flex)
+_Part = TypeVar("_Part", Link, RobotJoint, Closure, Flex)
 
 
 class RobotDescription:
@@ -199,6 +221,7 @@ class RobotDescription:
         placement: tuple[Floats, Floats] | None = None,
         report: Report | None = None,
         flexes: Iterable[Flex] = (),
+        closures: Iterable[Closure] = (),
     ) -> None:
         self.name: str = name
         self.report: Report = Report(f"description '{name}'") if report is None else report
@@ -218,6 +241,8 @@ class RobotDescription:
         """Pairs of links that do not touch, beside those that a joint connects."""
         self.flexes: dict[str, Flex] = _by_name("flex", flexes, self.report.source)
         """Deformable parts by name."""
+        self.closures: dict[str, Closure] = _by_name("closure", closures, self.report.source)
+        """What closes loops, by name."""
         self._check()
 
     @property
@@ -306,6 +331,9 @@ class RobotDescription:
                 value = getattr(joint, what)
                 if value is not None and not value >= 0.0:
                     self._refuse(part, f"{what} = {value:g}: must be >= 0")
+            for what in () if joint.servo is None else ("stiffness", "damping"):
+                if not (value := getattr(joint.servo, what)) >= 0.0:
+                    self._refuse(part, f"{what} of its servo = {value:g}: must be >= 0")
             self._check_mimic(part, joint)
         for a, b in self.excluded:
             for link in (a, b):
@@ -314,6 +342,19 @@ class RobotDescription:
         for flex in self.flexes.values():
             if flex.link not in self.links:
                 self._refuse(f"flex '{flex.name}'", f"link '{flex.link}': must be the name of a link")
+        for closure in self.closures.values():
+            self._check_closure(f"closure '{closure.name}'", closure)
+
+    def _check_closure(self, part: str, closure: Closure) -> None:
+        if closure.kind not in CLOSING:
+            self._refuse(part, f"kind = '{closure.kind}': must be one of {', '.join(CLOSING)}")
+        for link in closure.links:
+            if link not in self.links:
+                self._refuse(part, f"link '{link}': must be the name of a link")
+        if closure.links[0] == closure.links[1]:
+            self._refuse(part, f"links = {closure.links}: must be two; correct it")
+        if closure.name in self.joints:
+            self._refuse(part, "has the name of a joint: must have its own; rename one")
 
     def _check_mimic(self, part: str, joint: RobotJoint) -> None:
         seen = [joint.name]

@@ -371,7 +371,7 @@ def add_drives(
     names = [robot.description.coordinates[row] for row in rows]
     owner = f"robot '{robot.name}': {kind}"
     columns = {
-        key: _caps_of(robot, names, owner)
+        key: _of_file(robot, names, owner, key)
         if value is None
         else spread(value, len(rows), f"{owner}: {key}", names)
         for key, value in values.items()
@@ -411,15 +411,20 @@ def _added(
     return actuators
 
 
-def _caps_of(robot: DrivenRobot, names: list[str], owner: str) -> Floats:
-    joints = robot.description.joints
+def _of_file(robot: DrivenRobot, names: list[str], owner: str, key: str) -> Floats:
+    """Caps or gains that the file says."""
+    found = []
     for name in names:
-        if joints[name].effort is None:
+        joint = robot.description.joints[name]
+        value = joint.effort if key == "cap" else getattr(joint.servo, key, None)
+        if value is None:
+            has, must = ("limit of effort", "cap") if key == "cap" else ("servo", key)
             raise InvalidArgument(
-                f"{owner}: joint '{name}' has no limit of effort in {robot.description.source}: must have a "
-                f"cap; give cap="
+                f"{owner}: joint '{name}' has no {has} in {robot.description.source}: must have a {must}; "
+                f"give {key}="
             )
-    return np.array([joints[name].effort for name in names])
+        found.append(float(value))
+    return np.array(found)
 
 
 def _or_infinite(value: float | None) -> float:

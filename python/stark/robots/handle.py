@@ -21,6 +21,7 @@ from stark.named import NamedDict
 from stark.readings import reading
 from stark.robots import kinematics
 from stark.robots.base import base_velocity, place_base, placing, push_base
+from stark.robots.closing import place_closed
 from stark.robots.description import RobotDescription
 from stark.robots.drives import Drives, add_drives
 from stark.robots.inverse import Goal, Reach, Search, count_of, positive
@@ -62,10 +63,11 @@ class Robot(AnsweredAttributes):
         shifts: Mapping[str, float],
         start: Floats,
         flexes: Mapping[str, Cloth | Rod | Solid] = MappingProxyType({}),
+        closures: Mapping[str, Joint] = MappingProxyType({}),
     ) -> None:
         self._scene, self._of = scene, None
         self._links, self._joints, self._shifts, self._start = links, joints, dict(shifts), start
-        self._flexes = flexes
+        self._flexes, self._closures = flexes, closures
         self._drives: list[Drives] = []
         self._named: dict[str, tuple[str, ...]] = {}
         self._name, self._description, self._report = name, description, report
@@ -122,12 +124,18 @@ class Robot(AnsweredAttributes):
     @property
     def joints(self) -> Mapping[str, Joint]:
         """Joints of the scene by the names of the file; those that merged links have none."""
-        if self._of is None:
-            return MappingProxyType(NamedDict("joint", self._joints))
+        return self._named_joints(self._joints)
+
+    @property
+    def closures(self) -> Mapping[str, Joint]:
+        """Joints of the scene that close loops of links, by the names of the file."""
+        return self._named_joints(self._closures)
+
+    def _named_joints(self, joints: Mapping[str, Joint]) -> Mapping[str, Joint]:
         of = self._of
-        return MappingProxyType(
-            NamedDict("joint", {name: joint._bound_to(of) for name, joint in self._joints.items()})
-        )
+        if of is not None:
+            joints = {name: joint._bound_to(of) for name, joint in joints.items()}
+        return MappingProxyType(NamedDict("joint", joints))
 
     @property
     def bodies(self) -> tuple[RigidBody, ...]:
@@ -180,6 +188,9 @@ class Robot(AnsweredAttributes):
     def q(self, values: Values) -> None:
         numbers = self._given("q", values, self.q)
         core = self._require("q = ...")._to_place("q")
+        if self.description.closures:
+            place_closed(self, core, numbers, values)
+            return
         with placing(core):
             for name, value in kinematics.joint_values(self.description, numbers).items():
                 core.place_joint(self._joints[name]._index, np.array([value - self._shifts[name]]))
@@ -265,18 +276,18 @@ class Robot(AnsweredAttributes):
         self,
         joints: Choice = None,
         *,
-        stiffness: ArrayLike,
-        damping: ArrayLike,
+        stiffness: ArrayLike | None = None,
+        damping: ArrayLike | None = None,
         cap: ArrayLike | None = None,
         target: JointValues | None = None,
         gravity_compensation: bool = False,
     ) -> Drives:
         """Servos that hold some joints at targets of q: ``stiffness`` [N m/rad, N/m], ``damping`` [N m s/rad,
-        N s/m], ``cap`` [N m, N], each a number or one for each joint. ``cap`` is the effort limit of the file
-        and ``target`` where the joints start if left out. ``gravity_compensation``: each step has what
-        carries the weight of the robot where it starts as feedforward. ``joints``: names or patterns
-        ("finger_*"); all if left out. Raises InvalidArgument for unknown joints and those without a limit
-        of effort and ``cap``."""
+        N s/m], ``cap`` [N m, N], each a number or one for each joint. Left out, they are the gains of the
+        servos and the effort limits of the file; ``target`` is where the joints start.
+        ``gravity_compensation``: each step has what carries the weight of the robot where it starts as
+        feedforward. ``joints``: names or patterns ("finger_*"); all if left out. Raises InvalidArgument for
+        unknown joints and those of which neither the file nor the call says one of these."""
         values = {"stiffness": stiffness, "damping": damping, "cap": cap}
         drives = add_drives(self, "servos", self._rows(joints), values, target)
         if gravity_compensation:
@@ -425,9 +436,15 @@ class Robot(AnsweredAttributes):
         return self._weight.efforts((self._scene if simulation is None else simulation)._core, gravity)
 
     def _rests(self) -> tuple[Placement, dict[str, Placement]]:
-        """Frames that no coordinate places, now: that of the base, those of children of floating joints."""
-        floating = [joint for joint in self.description.joints.values() if joint.kind == "floating"]
-        return self._frame(self.description.root), {j.name: self._frame(j.child) for j in floating}
+        """Frames that no coordinate places, now: that of the base, those of children of floating joints, and
+        of ball joints in the parent."""
+        free = {}
+        for joint in self.description.joints.values():
+            if joint.kind == "floating":
+                free[joint.name] = self._frame(joint.child)
+            elif joint.kind == "ball":
+                free[joint.name] = self._frame(joint.child).seen_from(self._frame(joint.parent))
+        return self._frame(self.description.root), free
 
     def _given(self, what: str, values: Values, present: Floats) -> Floats:
         if isinstance(values, Mapping):

@@ -30,6 +30,10 @@ class Placement(NamedTuple):
         """A frame that is given in this one, in the world."""
         return Placement(self.position + self.rotation @ position, self.rotation @ rotation)
 
+    def inverse(self) -> Placement:
+        """The frame that this one is given in, in this one."""
+        return Placement(-self.rotation.T @ self.position, self.rotation.T)
+
     def seen_from(self, other: Placement) -> Placement:
         """This frame in another one."""
         axes = other.rotation.T
@@ -125,12 +129,13 @@ def placements(
     free: Mapping[str, Placement] | None = None,
 ) -> dict[str, Placement]:
     """Frames of all links in the world, by name. ``free``: frames of the children of floating joints in the
-    world, by joint; where they are at the start if left out."""
+    world, of those of ball joints in the parent, by joint; where they are at the start if left out."""
     values = joint_values(robot, q)
     found = {robot.root: base}
     for joint in robot.outwards:
         if free is not None and joint.name in free:
-            found[joint.child] = free[joint.name]
+            place = free[joint.name]
+            found[joint.child] = found[joint.parent].at(*place) if joint.kind == "ball" else place
             continue
         at_reference = found[joint.parent].at(joint.position, joint.rotation)
         found[joint.child] = at_reference.at(*motion_of(joint, values.get(joint.name, 0.0)))
@@ -139,7 +144,7 @@ def placements(
 
 def jacobian(robot: RobotDescription, links: Mapping[str, Placement], link: str, point: Floats) -> Floats:
     """Velocity (rows 0 to 2) [m/s] of a ``point`` of a link, in the world, and angular velocity (rows 3 to 5)
-    [rad/s] of the link for each rate of q: (6, n). The base and floating joints rest."""
+    [rad/s] of the link for each rate of q: (6, n). The base, floating and ball joints rest."""
     names = robot.coordinates
     columns = np.zeros((6, len(names)))
     parent_joint = {joint.child: joint for joint in robot.outwards}

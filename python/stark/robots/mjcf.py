@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from stark import mesh as meshes
 from stark._core import InvalidArgument
 from stark.robots.checks import check_inertias
-from stark.robots.description import Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
+from stark.robots.description import Geometry, Inertia, Link, RobotDescription, RobotJoint
 from stark.robots.kinematics import WORLD, Placement
+from stark.robots.mjcf_actuators import read_actuators
 from stark.robots.mjcf_contacts import touching_geoms, untouching
+from stark.robots.mjcf_equalities import closes_to_world, read_closures, read_mimics
 from stark.robots.mjcf_flexes import flex_bodies, read_flexes
 from stark.robots.report import Report
 from stark.rotations import as_matrix
@@ -25,11 +27,6 @@ Floats = NDArray[np.float64]
 # Numbers of mujoco's enumerations, which are part of its interface.
 _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
 _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8)
-_CONNECT, _WELD, _EQUAL_JOINTS = 0, 1, 2
-#: Of a scene, what holds bodies as equalities do that are not read.
-_CLOSING = {_CONNECT: "add_ball", _WELD: "add_fixed"}
-_ON_JOINT = 0
-_FIXED_GAIN, _NO_BIAS = 0, 0
 _NO_GRAVITY, _GRAVITY = 1 << 7, (0.0, 0.0, -9.81)  # a flag; what MJCF has if left out [m/s^2]
 #: Parts that are not read: counts in the model.
 _DROPPED = {
@@ -72,8 +69,8 @@ class _Reader:
             "" if int(model.jnt_bodyid[k]) in self.of_flexes else self._name("joint", model.joint(k).name, k)
             for k in range(model.njnt)
         ]
-        self.efforts = self._efforts()
-        self.mimics = self._mimics()
+        self.drives = read_actuators(model, self._name, self.joint_names, report)
+        self.mimics = read_mimics(model, self.joint_names, report)
 
     def read(self, name: str) -> RobotDescription:
         model = self.model
@@ -81,7 +78,8 @@ class _Reader:
             self._refuse("<worldbody>", "has no body: must have one; add it")
         children = [k for k in range(1, model.nbody) if model.body_parentid[k] == 0]
         root, base, placement = 0, "fixed", WORLD
-        if len(children) == 1 and self._kind_of_root(children[0]) in ("none", "free"):
+        is_one = len(children) == 1 and self._kind_of_root(children[0]) in ("none", "free")
+        if is_one and not closes_to_world(model):
             root = children[0]
             base = "floating" if self._kind_of_root(root) == "free" else "fixed"
             placement = Placement(np.array(model.body_pos[root]), as_matrix(model.body_quat[root], "quat"))
@@ -101,6 +99,7 @@ class _Reader:
             placement=placement,
             report=self.report,
             flexes=read_flexes(self.spec, model, self.bodies.__getitem__, self.report),
+            closures=read_closures(model, self.bodies, used, self.report),
         )
 
     # --- links ---
@@ -204,14 +203,25 @@ class _Reader:
     def _joint(self, joint: int, parent: str, child: str, place: tuple[Floats, Floats]) -> RobotJoint:
         kind, name = int(self.model.jnt_type[joint]), self.joint_names[joint]
         if kind == _BALL:
-            self._refuse(
-                f"joint '{name}'",
-                "is a ball joint: must be a hinge, slide or free joint; use three hinges, or join the parts "
-                "by scene.add_ball after they are added",
-            )
+            return self._ball(joint, parent, child, place)
         if kind == _FREE:
             return RobotJoint(name, "floating", parent, child, *place)
         return self._moving(joint, parent, child, place)
+
+    def _ball(self, joint: int, parent: str, child: str, place: tuple[Floats, Floats]) -> RobotJoint:
+        model, name, dof = self.model, self.joint_names[joint], int(self.model.jnt_dofadr[joint])
+        self.report.add("kept", f"joint '{name}'", "a ball joint: no coordinate of q")
+        given = {
+            "its limit": bool(model.jnt_limited[joint]),
+            "its spring": model.jnt_stiffness[joint] != 0.0,
+            "damping": model.dof_damping[dof] != 0.0,
+            "friction": model.dof_frictionloss[dof] != 0.0,
+            "armature": model.dof_armature[dof] != 0.0,
+        }
+        if lost := ", ".join(what for what, is_given in given.items() if is_given):
+            self.report.add("dropped", f"joint '{name}'", f"{lost}: of ball joints they are not kept")
+        anchor = np.array(model.jnt_pos[joint])
+        return RobotJoint(name, "ball", parent, child, *place, anchor=anchor)
 
     def _moving(self, joint: int, parent: str, child: str, place: tuple[Floats, Floats]) -> RobotJoint:
         model, name = self.model, self.joint_names[joint]
@@ -219,7 +229,7 @@ class _Reader:
         limited = bool(model.jnt_limited[joint])
         lower, upper = (float(bound) for bound in model.jnt_range[joint])
         slides = int(model.jnt_type[joint]) == _SLIDE
-        effort = self.efforts.get(joint)
+        effort = self.drives.efforts.get(joint)
         if effort is None:
             self.report.add("assumed", f"joint '{name}'", "no limit of effort: none")
         for what in ("jnt_stiffnesspoly", "dof_dampingpoly"):
@@ -244,55 +254,8 @@ class _Reader:
             stiffness=float(model.jnt_stiffness[joint]),
             rest=float(model.qpos_spring[row]),
             mimic=self.mimics.get(joint),
+            servo=self.drives.gains.get(joint),
         )
-
-    def _efforts(self) -> dict[int, float]:
-        """Limits of effort by joint: of the joint itself and of its actuators, which are not kept."""
-        model = self.model
-        found: dict[int, float] = {}
-        for joint in range(model.njnt):
-            if model.jnt_actfrclimited[joint]:
-                found[joint] = float(np.abs(model.jnt_actfrcrange[joint]).max())
-        for k in range(model.nu):
-            title = f"actuator '{self._name('actuator', model.actuator(k).name, k)}'"
-            self.report.add("dropped", title, "is not built: use robot.add_servos, add_motors, add_efforts")
-            if model.actuator_trntype[k] != _ON_JOINT:
-                continue
-            limit = None
-            if model.actuator_forcelimited[k]:
-                limit = np.abs(model.actuator_forcerange[k]).max()
-            elif (
-                model.actuator_ctrllimited[k]
-                and model.actuator_gaintype[k] == _FIXED_GAIN
-                and model.actuator_biastype[k] == _NO_BIAS
-            ):
-                limit = np.abs(model.actuator_ctrlrange[k]).max() * abs(model.actuator_gainprm[k][0])
-            if limit is None:
-                continue
-            joint = int(model.actuator_trnid[k][0])
-            value = float(limit * abs(model.actuator_gear[k][0]))
-            found[joint] = min(value, found.get(joint, np.inf))
-            self.report.add("kept", title, f"limit of effort {value:g} of joint '{self.joint_names[joint]}'")
-        return found
-
-    def _mimics(self) -> dict[int, Mimic]:
-        model = self.model
-        found: dict[int, Mimic] = {}
-        for k in range(model.neq):
-            title = f"equality '{self._name('equality', model.equality(k).name, k)}'"
-            a, b = int(model.eq_obj1id[k]), int(model.eq_obj2id[k])
-            shape = [float(value) for value in model.eq_data[k][:5]]
-            linear = int(model.eq_type[k]) == _EQUAL_JOINTS and b >= 0 and not any(shape[2:])
-            if not linear or not model.eq_active0[k] or a in found:
-                text = "only active linear ones of two joints are kept"
-                if how := _CLOSING.get(int(model.eq_type[k])):
-                    text += f"; what it holds together, scene.{how} holds"
-                self.report.add("dropped", title, text)
-                continue
-            at_rest = [float(model.qpos0[int(model.jnt_qposadr[joint])]) for joint in (a, b)]
-            offset = shape[0] + at_rest[0] - shape[1] * at_rest[1]
-            found[a] = Mimic(self.joint_names[b], shape[1], offset)
-        return found
 
     # --- the rest ---
 

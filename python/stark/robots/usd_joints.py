@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.robots.description import RobotJoint
+from stark.robots.description import Gains, RobotJoint
 from stark.robots.report import Report
 from stark.robots.usd_stage import Stage, turn
 
@@ -40,6 +40,7 @@ class Axis:
     lower: float | None = None
     upper: float | None = None
     effort: float | None = None
+    servo: Gains | None = None
     velocity: float | None = None
     armature: float = 0.0
 
@@ -109,6 +110,7 @@ class UsdJoint:
                     lower=axis.lower,
                     upper=axis.upper,
                     effort=axis.effort,
+                    servo=axis.servo,
                     velocity=axis.velocity,
                     armature=axis.armature,
                 )
@@ -229,32 +231,33 @@ class _Reading:
             slides,
             lower,
             upper,
-            self._effort(drive, slides),
+            *self._drive(drive, slides),
             None if velocity is None else velocity * unit,
             armature * (mass if slides else mass * metre**2),
         )
 
-    def _effort(self, name: str, slides: bool) -> float | None:
-        """Limit of the drive of an axis, which is not kept itself [N, N m]."""
+    def _drive(self, name: str, slides: bool) -> tuple[float | None, Gains | None]:
+        """Of an axis: the limit of its effort [N, N m] and the gains of its servo."""
         physics, report = self.physics, self.stage.report
         mass, metre = self.stage.kilogram, self.stage.metre
         unit = mass * metre if slides else mass * metre**2
         if not self.prim.HasAPI(physics.DriveAPI, name):
-            return None
+            return None, None
         drive = physics.DriveAPI(self.prim, name)
         k, d = (float(get().Get() or 0.0) for get in (drive.GetStiffnessAttr, drive.GetDampingAttr))
         per = mass if slides else unit * 180.0 / math.pi  # stiffness of a turn is given per degree
-        report.add(
-            "dropped",
-            self.title,
-            f"drive '{name}' with stiffness {k * per:g} and damping {d * per:g} in SI units: use "
-            f"robot.add_servos, add_motors, add_efforts",
-        )
+        given = f"stiffness {k * per:g} and damping {d * per:g} of drive '{name}' in SI units"
+        gains = None
+        if k > 0.0 and drive.GetTypeAttr().Get() != "acceleration":
+            gains = Gains(k * per, d * per)
+            report.add("kept", self.title, f"{given}: robot.add_servos() takes them where none are given")
+        else:
+            report.add("dropped", self.title, f"{given}: use robot.add_servos, add_motors, add_efforts")
         limit = drive.GetMaxForceAttr().Get()
         if limit is None or not math.isfinite(limit) or limit > 1e30:
-            return None
+            return None, gains
         report.add("kept", self.title, f"limit of effort {limit * unit:g}")
-        return float(limit) * unit
+        return float(limit) * unit, gains
 
     def _number(self, name: str) -> float | None:
         attribute = self.prim.GetAttribute(name)

@@ -31,7 +31,8 @@ def test_limits_and_drives(tmp_path: Path) -> None:
     assert (j.lower, j.upper) == pytest.approx((-np.pi / 2, np.pi))
     assert (j.effort, j.velocity, j.armature) == pytest.approx((4.0, 2 * np.pi, 0.2))
     assert s.lower == pytest.approx(-0.25) and s.upper is None
-    assert "drive 'angular' with stiffness 0.572958" in str(robot.report)  # 100 kg cm^2/s^2 for a degree
+    assert j.servo is not None and j.servo.stiffness == pytest.approx(0.572958)  # 100 kg cm^2/s^2 a degree
+    assert "stiffness 0.572958 and damping 0 of drive 'angular' in SI units" in str(robot.report)
 
 
 def test_a_joint_with_free_axes_is_a_row_of_joints(tmp_path: Path) -> None:

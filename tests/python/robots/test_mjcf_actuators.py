@@ -1,0 +1,62 @@
+"""Actuators of MJCF files: gains of servos, against mujoco itself, and limits of effort."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from robots._robots import written_mjcf
+
+import stark
+import stark.robots
+
+mujoco = pytest.importorskip("mujoco")
+
+ARM = """
+<body name="a"><joint name="j" axis="0 1 0" damping="0.2"/>
+  <inertial pos="0.2 0 0" mass="1" diaginertia="0.01 0.01 0.01"/>
+  <body name="b" pos="0.4 0 0"><joint name="s" type="slide" axis="1 0 0"/>
+    <inertial pos="0.1 0 0" mass="0.5" diaginertia="0.001 0.001 0.001"/></body></body>
+"""
+SERVOS = """
+<actuator><position name="p" joint="j" kp="20" kv="2" gear="2" forcerange="-40 40"/>
+  <general name="g" joint="s" biastype="affine" gainprm="300" biasprm="0 -300 -30" forcerange="-50 50"/>
+</actuator>
+"""
+
+
+def test_servos_of_a_file_hold_as_in_mujoco(tmp_path: Path) -> None:
+    file = written_mjcf(tmp_path, ARM, SERVOS)
+    model = mujoco.MjModel.from_xml_path(str(file))
+    model.opt.timestep = 1e-4
+    data = mujoco.MjData(model)
+    scene = stark.Scene()
+    robot = scene.add_robot(file)
+    gains = robot.description.joints["j"].servo
+    assert gains is not None and (gains.stiffness, gains.damping) == (80.0, 8.0)
+    drives = robot.add_servos(target=[0.5, 0.05])
+    np.testing.assert_array_equal(drives.cap, [80.0, 50.0])
+    sim = stark.Simulation(scene, time_step=1e-3)
+    sim.run_until(0.2)
+    data.ctrl[:] = 1.0, 0.05  # lengths are gear times the coordinate
+    while data.time < 0.2 - 1e-9:
+        mujoco.mj_step(model, data)
+    # Both are of first order: some milliradians of half a radian.
+    np.testing.assert_allclose(robot.q, data.qpos, atol=2e-3)
+
+
+def test_what_the_file_does_not_say_has_to_be_given(tmp_path: Path) -> None:
+    scene = stark.Scene()
+    motor = '<actuator><motor name="m" joint="j" ctrlrange="-2 2" gear="3"/></actuator>'
+    robot = scene.add_robot(written_mjcf(tmp_path, ARM, motor))
+    assert robot.description.joints["j"].effort == 6.0 and robot.description.joints["j"].servo is None
+    with pytest.raises(
+        stark.InvalidArgument, match=r"joint 'j' has no servo in .*: must have a stiffness; give st"
+    ):
+        robot.add_servos("j")
+    with pytest.raises(
+        stark.InvalidArgument, match=r"joint 's' has no limit of effort in .*: must have a cap"
+    ):
+        robot.add_servos("s", stiffness=1.0, damping=0.1)
+    assert "actuator 'm': is not built" in str(robot.report)
