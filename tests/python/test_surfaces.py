@@ -10,7 +10,7 @@ import pytest
 import stark
 
 GUIDE = Path(__file__).parents[2] / "docs" / "surfaces.md"
-PRESETS = ("rigid", "rubber", "skin", "terry_towel")
+PRESETS = ("rigid", "rubber", "skin", "paper", "terry_towel")
 
 
 def test_presets_are_those_of_the_guide() -> None:
@@ -50,6 +50,32 @@ def test_a_surface_gives_distance_and_stiffness_unless_they_are_given() -> None:
     )
     assert (other.contact_distance, other.contact_stiffness) == (5e-4, 2e6)
     assert scene.add_box(0.1, mass=1.0, position=(2, 0, 0)).contact_stiffness is None
+
+
+def test_a_stack_of_paper_is_as_thick_as_its_sheets() -> None:
+    """At 100 kPa, at which ISO 534 measures the thickness of a sheet: 104 um of 80 g/m2."""
+    assert stark.surfaces.paper.pressure(104e-6) == pytest.approx(1e5, rel=0.05)
+    scene = stark.Scene()
+    size, count = 0.05, 6
+    scene.add_box(0.1, motion="fixed", position=(0, 0, -0.05), surface=stark.surfaces.paper)
+    for k in range(count):
+        scene.add_cloth(
+            stark.mesh.grid(size, size, 2),
+            stark.materials.paper,
+            position=(0, 0, 110e-6 * (k + 1)),
+            surface=stark.surfaces.paper,
+        )
+    weight = scene.add_box(
+        (size, size, 0.02),
+        mass=1e5 * size**2 / 9.81,
+        position=(0, 0, 110e-6 * (count + 1) + 0.01),
+        surface=stark.surfaces.paper,
+    )
+    sim = stark.Simulation(scene, time_step=1 / 60)
+    for report in sim.run(until=0.2):
+        assert not report.failed
+    gap = (weight.position[2] - 0.01) / (count + 1)
+    assert gap == pytest.approx(104e-6, abs=4e-6)  # the tolerance of office paper
 
 
 def test_what_is_no_surface_is_refused() -> None:
