@@ -62,7 +62,7 @@ def read_closures(model: Any, bodies: list[str], used: Iterable[int], report: Re
         elif any(int(model.body_mocapid[body]) >= 0 for body in (a, b)):
             report.add("dropped", title_of(model, k), f"holds a mocap body: make it a scripted one{remedy}")
         elif not {a, b} <= links:
-            report.add("dropped", title_of(model, k), f"holds what is no link of the robot{remedy}")
+            report.add("dropped", title_of(model, k), f"holds a body outside of the robot{remedy}")
         else:
             kind = _KINDS[int(model.eq_type[k])]
             found.append(Closure(_name_of(model, k), kind, (bodies[a], bodies[b]), _frames(model, k)))
