@@ -1,5 +1,5 @@
-"""PC2 files: positions of the vertices of one mesh over time, as modelling programs keep them. Little-endian: a
-header of 32 bytes, then frames of float32 positions."""
+"""PC2 files: positions of the vertices of one mesh over time, as modelling programs keep them. Little-endian:
+a header of 32 bytes, then frames of float32 positions."""
 
 from __future__ import annotations
 

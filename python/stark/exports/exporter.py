@@ -62,8 +62,8 @@ class Exporter:
     ParaView, with a .vtu file beside it for each record), .glb (glTF, the last record), .pc2 (a point cache
     of each body that moves, without fields, its name after that of the file). ``fields`` are
     ``displacement`` (since the first record), ``velocity`` (mean since the record before), and those of
-    ``sim.picture``: stress, strain, pressure, contact_force, speed. ``fps``: time codes a second of USD, frames of PC2. The
-    file is there after ``close()``; if what is in the ``with`` block raises, there is none. Raises
+    ``sim.picture``: stress, strain, pressure, contact_force, speed. ``fps``: time codes a second of USD,
+    frames of PC2. The file is there after ``close()``; if what is in the ``with`` block raises, there is none. Raises
     InvalidArgument for other suffixes and fields, and ImportError that names the extra of a package that is
     missing."""
 

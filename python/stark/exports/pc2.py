@@ -1,5 +1,5 @@
-"""PC2 point caches: a file for each body that moves, for modifiers of modelling programs, which put the positions
-on a mesh of their own: materials and texture coordinates stay."""
+"""PC2 point caches: a file for each body that moves, for modifiers of modelling programs, which put the
+positions on a mesh of their own: materials and texture coordinates stay."""
 
 from __future__ import annotations
 
@@ -36,8 +36,9 @@ class Pc2Writer:
             first, last = self._times[1] - self._times[0], self._times[-1] - self._times[-2]
             if abs(last - first) > _EVEN * first:
                 raise InvalidArgument(
-                    f"export '{self._path}': {last:.6g} s to the record at {shot.time:.6g} s after {first:.6g} "
-                    f"s to the second one: frames of a point cache must be evenly spaced; record at equal times"
+                    f"export '{self._path}': the record at {shot.time:.6g} s comes {last:.6g} s after the "
+                    f"one before, the second one {first:.6g} s after the first: frames of a point cache must be "
+                    f"evenly spaced; record at equal times"
                 )
         for frames, body in zip(self._frames, moving, strict=True):
             frames.append(np.ascontiguousarray(body.positions, dtype="<f4").tobytes())

@@ -1,4 +1,4 @@
-"""Bending stiffness with a value for each triangle: strips that are soft in one half and stiff in the other."""
+"""Bending stiffness with a value for each triangle: strips that are soft in one half, stiff in the other."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def _halves(cloth_mesh: stark.mesh.TriangleMesh, root: float, end: float) -> np.
 
 
 def _beam(root: float, end: float) -> float:
-    """Small deflection of the end of a clamped strip of two rigidities under its weight [m], by quadrature."""
+    """Small deflection of the end of a clamped strip of two rigidities under its weight [m], by sums."""
     free = LENGTH * (1.0 - 0.5 / CELLS)  # half of the width of the first hinge bends within the clamped cell
     x = (np.arange(20_000) + 0.5) * free / 20_000
     load = DENSITY * GRAVITY
@@ -55,8 +55,8 @@ def _beam(root: float, end: float) -> float:
 
 @pytest.mark.parametrize("name", ["bending_stiffness", "flexural_rigidity"])
 def test_strips_of_two_halves_sag_as_beams(name: str) -> None:
-    """Over the strip that is soft all along: how much of the clamped cell bends with the rest, and that hinges
-    are stiffer than a plate by a factor of the mesh, is the same for all."""
+    """Over the strip that is soft all along: how much of the clamped cell bends with the rest, and that
+    hinges are stiffer than a plate by a factor of the mesh, is the same for all."""
     mesh = stark.mesh.grid(LENGTH, WIDTH, cells=(CELLS, 4))
     soft = _sag(_strip(name, _halves(mesh, SOFT, SOFT)))
     if name == "flexural_rigidity":
