@@ -93,6 +93,7 @@ def _added(
         "name": given_name(name),
         "a": points._description(),
         "break_force": _break_force(owner, break_force),
+        "sewn": False,
         **description,
     }
     index = scene._core.add_attachment(given)
