@@ -48,5 +48,5 @@ def test_damaged_files_are_refused(tmp_path: Path, data: bytes, text: str) -> No
 def test_missing_files_and_rates_are_refused(tmp_path: Path) -> None:
     with pytest.raises(stark.InvalidArgument, match="No such file"):
         stark.motion.point_cache(tmp_path / "none.pc2")
-    with pytest.raises(stark.InvalidArgument, match="fps = 0.0: must be > 0"):
+    with pytest.raises(stark.InvalidArgument, match=r"fps = 0\.0: must be > 0"):
         stark.motion.point_cache(tmp_path / "none.pc2", fps=0.0)

@@ -37,8 +37,8 @@ class Pc2Writer:
             if abs(last - first) > _EVEN * first:
                 raise InvalidArgument(
                     f"export '{self._path}': the record at {shot.time:.6g} s comes {last:.6g} s after the "
-                    f"one before, the second one {first:.6g} s after the first: frames of a point cache must be "
-                    f"evenly spaced; record at equal times"
+                    f"one before, the second one {first:.6g} s after the first: frames of a point cache "
+                    f"must be evenly spaced; record at equal times"
                 )
         for frames, body in zip(self._frames, moving, strict=True):
             frames.append(np.ascontiguousarray(body.positions, dtype="<f4").tobytes())
@@ -54,10 +54,13 @@ class Pc2Writer:
             while file in files:
                 count += 1
                 file = file.with_name(f"{stem}_{count}.pc2")
-            data = header(len(frames[0]) // 12, start, rate, len(frames)) + b"".join(frames)
-            write_atomically(file, lambda out, data=data: out.write(data))
+            _write(file, header(len(frames[0]) // 12, start, rate, len(frames)) + b"".join(frames))
             files.append(file)
         return files
 
     def abandon(self) -> None:
         """Nothing has been written yet."""
+
+
+def _write(file: Path, data: bytes) -> None:
+    write_atomically(file, lambda out: out.write(data))

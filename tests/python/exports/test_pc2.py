@@ -60,11 +60,13 @@ def test_a_character_follows_a_cache(tmp_path: Path) -> None:
 
 def test_records_at_uneven_times_are_refused(tmp_path: Path) -> None:
     sim = _hanging()
-    with pytest.raises(stark.InvalidArgument, match="must be evenly spaced; record at equal times"):
-        with Exporter(tmp_path / "drape.pc2", sim) as out:
-            for pause in (1, 1, 2):
-                out.record(sim)
-                for _ in range(pause):
-                    sim.step()
+    with (
+        pytest.raises(stark.InvalidArgument, match="must be evenly spaced; record at equal times"),
+        Exporter(tmp_path / "drape.pc2", sim) as out,
+    ):
+        for pause in (1, 1, 2):
             out.record(sim)
+            for _ in range(pause):
+                sim.step()
+        out.record(sim)
     assert not list(tmp_path.iterdir())
