@@ -63,9 +63,9 @@ class Exporter:
     of each body that moves, without fields, its name after that of the file). ``fields`` are
     ``displacement`` (since the first record), ``velocity`` (mean since the record before), and those of
     ``sim.picture``: stress, strain, pressure, contact_force, speed. ``fps``: time codes a second of USD,
-    frames of PC2. The file is there after ``close()``; if what is in the ``with`` block raises, there is none. Raises
-    InvalidArgument for other suffixes and fields, and ImportError that names the extra of a package that is
-    missing."""
+    frames of PC2. The file is there after ``close()``; if what is in the ``with`` block raises, there is
+    none. Raises InvalidArgument for other suffixes and fields, and ImportError that names the extra of a
+    package that is missing."""
 
     def __init__(
         self, path: str | PathLike[str], sim: Any, *, fields: Sequence[str] = (), fps: float = 60.0
