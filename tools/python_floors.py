@@ -24,7 +24,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "named",
         "readings",
     ),
-    ("array_file", "rotations", "body_kinds", "palette", "scene_record", "telemetry"),
+    ("array_file", "point_cache", "rotations", "body_kinds", "palette", "scene_record", "telemetry"),
     ("mesh", "materials", "surfaces", "motion", "settings", "tubes", "symbolic", "curves"),
     ("handle",),
     ("courses", "selections", "joined_points"),

@@ -1,6 +1,22 @@
 #include "given.h"
 
+#include <algorithm>
+
 namespace stark::bindings {
+
+namespace {
+
+/// What Python shows of an object, on one line of a message: arrays have many.
+std::string short_text(nb::handle object) {
+  constexpr size_t kLongest = 60;
+  std::string shown = text(nb::repr(object));
+  size_t end = std::min(shown.find('\n'), kLongest);
+  if (end >= shown.size()) return shown;
+  while (end > 0 && (shown[end] & 0xC0) == 0x80) --end;  // not within a character of UTF-8
+  return shown.substr(0, end) + " ...";
+}
+
+}  // namespace
 
 ParameterValues parameter_values_of(nb::handle given, const std::string& owner) {
   ParameterValues result;
@@ -17,7 +33,7 @@ double number_of(nb::handle object, const std::string& name) {
   const FieldValue value = to_field_value(object);
   if (const auto* real = std::get_if<double>(&value)) return *real;
   if (const auto* integer = std::get_if<int64_t>(&value)) return static_cast<double>(*integer);
-  throw InvalidArgument(name + " = " + text(nb::repr(object)) + ": must be a number or None");
+  throw InvalidArgument(name + " = " + short_text(object) + ": must be a number or None");
 }
 
 nb::list describe(const std::vector<ParameterDeclaration>& declarations) {

@@ -272,6 +272,8 @@ void bind_actuators_and_attachments(nb::class_<Simulation>& c) {
       .def_prop_ro("attachment_count", count_of<&Scene::attachments>)
       .def("attachment_forces", with_arrays<&Simulation::attachment_forces>, "attachment"_a,
            "On side a in the last step (n, 3) [N].")
+      .def("attachment_gaps", with_arrays<&Simulation::attachment_gaps>, "attachment"_a,
+           "By pair: distance from where it is attached [m].")
       .def("attachment_status", with_arrays<&Simulation::attachment_status>, "attachment"_a,
            "By pair: 1 held, 0 released, -1 broken.")
       .def("set_attachment_enabled", &Simulation::set_attachment_enabled, "attachment"_a, "enabled"_a)

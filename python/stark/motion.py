@@ -9,6 +9,7 @@ last one after the last."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -16,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import real_array, refuse_masked
+from stark.arguments import given_path, real_array, real_number, refuse_masked
+from stark.point_cache import read_point_cache
 from stark.rotations import as_matrix, to_quaternion
 
 Floats = NDArray[np.float64]
@@ -75,6 +77,21 @@ def spline(times: ArrayLike, values: ArrayLike, *, rest: bool = True) -> Motion:
 
     knots = {"kind": "spline", "times": t, "values": v, "rest": bool(rest)}
     return Motion(value, float(t[-1]), f"spline through {len(t)} knots", knots)
+
+
+def point_cache(path: str | os.PathLike[str], *, fps: float = 24.0, smooth: bool = False) -> Motion:
+    """Positions of the vertices of a mesh over time, from a PC2 file of another program with ``fps`` frames a
+    second; the first frame is at 0 s. For a character whose vertices are all pinned, in the order of its
+    mesh: ``body.follow(stark.motion.point_cache("walk.pc2"))``. Straight lines between frames, or with
+    ``smooth`` a natural spline. Raises InvalidArgument for files that are missing or damaged."""
+    rate = real_number(fps, "point_cache: fps")
+    if not 0.0 < rate < np.inf:
+        raise InvalidArgument(f"point_cache: fps = {fps!r}: must be > 0 and finite")
+    found = read_point_cache(given_path(path, "point_cache: path"))
+    times = np.arange(len(found.positions)) * (found.rate / rate)
+    if smooth and len(times) > 1:
+        return spline(times, found.positions, rest=False)
+    return linear(times, found.positions)
 
 
 def rotations(times: ArrayLike, values: Any, *, smooth: bool = True, rest: bool = True) -> Motion:

@@ -284,3 +284,24 @@ TEST_CASE("a body attached to itself keeps what is attached from what is near th
   CHECK(filter.excluded(corner, 0, near, 0));
   CHECK_FALSE(filter.excluded(corner, 0, far, 0));
 }
+
+TEST_CASE("sewn pairs keep contact away before they meet, until they break") {
+  Scene scene;
+  for (const double z : {0.0, 0.05})
+    scene.add_cloth({.mesh = make_grid(0.1, 0.1, 2, 2), .position = {0, 0, z}});
+  AttachmentDescription seam{.a = vertex_points({0}, {0}), .b = {vertex_points({1}, {0})}, .enabled = false};
+  for (const bool sewn : {false, true}) {
+    Scene other = scene;
+    seam.sewn = sewn;
+    other.add_attachment(seam);
+    Simulation sim(other, without_gravity());
+    sim.step();
+    CHECK(sim.state().contact_regained.empty() == sewn);
+    CHECK(sim.attachment_gaps({0})[0] == doctest::Approx(0.05));
+    State state = sim.state();
+    state.attachment_held = {-1.0};
+    sim.set_state(state);
+    sim.step();
+    CHECK(sim.state().contact_regained.size() == 2);
+  }
+}

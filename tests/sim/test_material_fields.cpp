@@ -127,3 +127,18 @@ TEST_CASE("a field of equal values gives the same motion as the value of the mat
   const std::vector<Vec3> plain = simulate(false), fields = simulate(true);
   for (size_t i = 0; i < plain.size(); ++i) CHECK(plain[i] == fields[i]);
 }
+
+TEST_CASE("bending of cloth may differ from triangle to triangle") {
+  ClothDescription cloth = sheet();
+  cloth.fields = {{"bending_stiffness", ramp(8, 1.0, 3.0)}};
+  CHECK(message_of(cloth) == "accepted");
+  CHECK(bending_stiffness(cloth, 4) == 2.0);
+  CHECK(flexural_rigidity(cloth, 4) == cloth.material.flexural_rigidity);
+  keep_largest_bending(cloth.material, cloth.fields);
+  CHECK(cloth.material.bending_stiffness == 2.75);
+  cloth.fields["flexural_rigidity"] = {{-1.0}, false};
+  CHECK(contains(message_of(cloth), "flexural_rigidity = -1 N m: must be >= 0"));
+  SolidDescription solid = box();
+  solid.fields = {{"bending_stiffness", {{1.0}, false}}};
+  CHECK(contains(message_of(solid), "has no such parameter"));
+}

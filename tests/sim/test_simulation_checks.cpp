@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <stark/base/error.h>
 #include <stark/geometry/shapes.h>
 #include <stark/sim/simulation.h>
 
@@ -51,6 +52,24 @@ TEST_CASE("a sheet that one narrow fold makes thin everywhere is named") {
   CHECK(found[0].find("cloth 'towel'") != std::string::npos);
   CHECK(found[0].find("instead of 0.002 m") != std::string::npos);
   CHECK(found[0].find("wider folds") != std::string::npos);
+}
+
+TEST_CASE("a sheet that starts through itself is told so") {
+  ClothDescription sheet{.name = "scan", .mesh = make_grid(0.4, 0.4, 4, 4)};
+  for (const Vec3& x : sheet.mesh.vertices) {  // one half turned over, through the other
+    const double side = x.x > 0.0 ? -0.5 : 1.0;
+    sheet.initial_positions.push_back({side * x.x, x.y, x.x > 0.0 ? 0.1 - x.x : 0.0});
+  }
+  Scene scene;
+  scene.add_cloth(sheet);
+  CHECK_THROWS_WITH_AS(Simulation{scene}, doctest::Contains("'scan' intersects itself at time 0 at "),
+                       InitialIntersection);
+  CHECK_THROWS_WITH_AS(Simulation{scene}, doctest::Contains("or add it with self_contact = false"),
+                       InitialIntersection);
+  Scene free;
+  sheet.self_contact = false;
+  free.add_cloth(sheet);
+  CHECK_NOTHROW(Simulation{free});
 }
 
 TEST_CASE("solids that start inverted are found") {

@@ -48,12 +48,52 @@ def attach(
     if distance is not None and not (_is_number(distance) and 0.0 <= distance < math.inf):
         raise InvalidArgument(f"{owner}: distance = {distance!r} m: must be a finite number >= 0")
     points, description = _carried(owner, points, side_b, distance)
+    description |= {"enabled": given_flag(enabled, f"{owner}: enabled"), "contact": contact}
+    return _added(scene, owner, points, description, break_force=break_force, name=name)
+
+
+def sew(
+    scene: SceneLink,
+    a: Any,
+    b: Any,
+    *,
+    pairs: ArrayLike | None,
+    break_force: float | None,
+    name: str | None,
+) -> tuple[Attachment, Points]:
+    """Adds an attachment of pairs that are to meet, and gives its side b; InvalidArgument says what is wrong
+    with it."""
+    owner = "seam" if name is None else f"seam '{name}'"
+    points, others = _side(scene, owner, "a", a), _side(scene, owner, "b", b)
+    if pairs is not None:
+        points, others = _indexed(owner, points, others, pairs)
+    if not isinstance(points, Points) or not isinstance(others, Points):
+        raise InvalidArgument(
+            f"{owner}: must be two bodies with pairs=, or points of both sides, such as "
+            f"front.vertices[left] and back.vertices[right]"
+        )
+    if len(points) != len(others):
+        raise InvalidArgument(
+            f"{owner}: {len(points)} points and {len(others)} points: must be as many, as each is sewn to one"
+        )
+    description = {"b": [others._description()], "enabled": False, "contact": True, "sewn": True}
+    return _added(scene, owner, points, description, break_force=break_force, name=name), others
+
+
+def _added(
+    scene: SceneLink,
+    owner: str,
+    points: Points,
+    description: dict[str, Any],
+    *,
+    break_force: float | None,
+    name: str | None,
+) -> Attachment:
     given = {
         "name": given_name(name),
         "a": points._description(),
         "break_force": _break_force(owner, break_force),
-        "enabled": given_flag(enabled, f"{owner}: enabled"),
-        "contact": contact,
+        "sewn": False,
         **description,
     }
     index = scene._core.add_attachment(given)

@@ -55,6 +55,13 @@ class Attachment(Handle, KnownAttributes):
         return reading(np.asarray(self.forces.sum(axis=0)), self, "force")
 
     @property
+    def gaps(self) -> Floats:
+        """How far each pair is from where it is attached, held or not (n,) [m]: of a seam, how far it is
+        open."""
+        found = self._require_simulation("gaps")._core.attachment_gaps(self._index)
+        return reading(found, self, "gaps")
+
+    @property
     def broken(self) -> NDArray[np.bool_]:
         """Which pairs have broken (n,)."""
         return self._require_simulation("broken")._core.attachment_status(self._index) < 0

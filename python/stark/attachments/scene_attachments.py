@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import warnings
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from stark.attachments.handle import Attachment
@@ -13,11 +15,17 @@ from stark.handle import SceneLink
 from stark.named import NamedTuple
 from stark.selections import Points, Stencils
 
+if TYPE_CHECKING:
+    from stark.formulas.handle import Energy
+
 
 class SceneAttachments(SceneLink):
     """``Scene``: attachments."""
 
     _attachments: list[Attachment]
+
+    def add(self, energy: Any, *, name: str | None = None) -> Energy:
+        raise NotImplementedError  # of Scene
 
     def attach(
         self,
@@ -62,6 +70,37 @@ class SceneAttachments(SceneLink):
         if gaps := gaping_seam(attachment.points, carrier if isinstance(carrier, Body) else None):
             warnings.warn(f"attachment '{attachment.name}': {gaps}", StarkWarning, stacklevel=2)
         return attachment
+
+    def sew(
+        self,
+        a: Body | Points | str,
+        b: Body | Points | str,
+        *,
+        pairs: ArrayLike | None = None,
+        duration: float = 0.5,
+        force: float = 1.0,
+        break_force: float | None = None,
+        name: str | None = None,
+    ) -> Attachment:
+        """Sews points that are apart at time 0: threads draw each pair together, and
+        ``seam.pull_together()`` fastens it then, for good.
+
+        ``a`` and ``b``: as many points on both sides, or bodies with ``pairs`` (n, 2), indices of their
+        vertices. Each thread becomes shorter until it has no length after ``duration`` [s], and pulls with
+        ``force`` [N] at most; ``seam.gaps`` says how far the pairs are apart. Threads are an energy,
+        ``scene.energies["<name of the seam> threads"]``. Surfaces around the points do not touch the other
+        body from time 0 on, so that they can meet. ``break_force`` [N] as in ``attach``."""
+        from stark.attachments.adding import sew
+        from stark.attachments.sewing import check_thread, threads
+
+        check_thread(name, duration, force)
+        seam, others = sew(self, a, b, pairs=pairs, break_force=break_force, name=name)
+        self._attachments.append(seam)
+        lengths = np.linalg.norm(seam.points.positions - others.positions, axis=1)
+        bound = threads(seam.points, others, length=lengths, duration=duration, force=force)
+        self.add(bound, name=f"{seam.name} threads")
+        self._warn_of_late(f"attachment '{seam.name}'")
+        return seam
 
     @property
     def attachments(self) -> NamedTuple[Attachment]:

@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format",
         default="vtu",
-        choices=("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "parquet", "mcap"),
+        choices=("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "pc2", "parquet", "mcap"),
         help="vtu, vtkhdf: ParaView; usd: Blender, Omniverse; parquet, mcap: the numbers of every step",
     )
     parser.add_argument(

@@ -383,6 +383,7 @@ ATTACHMENT = Record(
         "break_force": Field(Number("N", infinite=True), "inf"),
         "contact": Field(Flag(), True),
         "enabled": Field(Flag(), True),
+        "sewn": Field(Flag(), False, "without contact from time 0 on, so that pairs can meet"),
     }
 )
 COURSE = Record(

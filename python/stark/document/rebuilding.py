@@ -276,7 +276,7 @@ class Rebuilding:
             "name": _named(row, where),
             "a": a._description(),
             "b": [side._description() for side in sides],
-            **{name: row[name] for name in ("break_force", "enabled", "contact")},
+            **{name: row[name] for name in ("break_force", "enabled", "contact", "sewn")},
         }
         if a.is_direction or any(side.is_direction for side in sides):
             raise DocumentError(f"{where}: directions cannot be attached: must be points")

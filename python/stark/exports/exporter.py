@@ -20,7 +20,7 @@ from .series import write_series
 from .shots import MOTION, Camera, Shot, check_fields, frames_of
 
 #: What ``export_recording`` and ``stark export`` write.
-FORMATS = ("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "parquet", "mcap")
+FORMATS = ("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "pc2", "parquet", "mcap")
 #: Without fields, and of one frame each.
 _PLAIN = ("ply", "obj")
 #: The numbers of every step.
@@ -32,8 +32,9 @@ _BY_SUFFIX = {
     ".vtkhdf": "vtkhdf",
     ".pvd": "vtu",
     ".glb": "glb",
+    ".pc2": "pc2",
 }
-_SUFFIX = {"usd": ".usdc", "vtkhdf": ".vtkhdf", "vtu": ".pvd", "glb": ".glb"}
+_SUFFIX = {"usd": ".usdc", "vtkhdf": ".vtkhdf", "vtu": ".pvd", "glb": ".glb", "pc2": ".pc2"}
 
 
 class Writer(Protocol):
@@ -58,12 +59,13 @@ class Exporter:
                 export.record(sim)
 
     The suffix says the format: .usd, .usda, .usdc (USD), .vtkhdf (one file for ParaView), .pvd (an index for
-    ParaView, with a .vtu file beside it for each record), .glb (glTF, the last record). ``fields`` are
+    ParaView, with a .vtu file beside it for each record), .glb (glTF, the last record), .pc2 (a point cache
+    of each body that moves, without fields, its name after that of the file). ``fields`` are
     ``displacement`` (since the first record), ``velocity`` (mean since the record before), and those of
-    ``sim.picture``: stress, strain, pressure, contact_force, speed. ``fps``: time codes a second of USD. The
-    file is there after ``close()``; if what is in the ``with`` block raises, there is none. Raises
-    InvalidArgument for other suffixes and fields, and ImportError that names the extra of a package that is
-    missing."""
+    ``sim.picture``: stress, strain, pressure, contact_force, speed. ``fps``: time codes a second of USD,
+    frames of PC2. The file is there after ``close()``; if what is in the ``with`` block raises, there is
+    none. Raises InvalidArgument for other suffixes and fields, and ImportError that names the extra of a
+    package that is missing."""
 
     def __init__(
         self, path: str | PathLike[str], sim: Any, *, fields: Sequence[str] = (), fps: float = 60.0
@@ -169,6 +171,10 @@ def _writer(path: Path, format: str, fps: float, *, each: bool = False) -> Write
         from .vtu import VtuWriter
 
         return VtuWriter(path)
+    if format == "pc2":
+        from .pc2 import Pc2Writer
+
+        return Pc2Writer(path, fps)
     from .gltf import GltfWriter
 
     return GltfWriter(path, each=each)

@@ -135,3 +135,5 @@ class UsdWriter:
             variable = self._geom.PrimvarsAPI(mesh).CreatePrimvar(name, kind, self._geom.Tokens.vertex)
             array = self._vt.FloatArray if numbers.ndim == 1 else self._vt.Vec3fArray
             variable.Set(array.FromNumpy(numbers), code)
+            if name == "velocity" and not has_pose(body):  # what renderers blur moving points by
+                mesh.CreateVelocitiesAttr().Set(array.FromNumpy(numbers), code)

@@ -15,14 +15,16 @@ namespace stark {
 struct AttachmentDescription {
   std::string name{};  ///< unique among the attachments of the scene; empty: "attachment", numbered
   PointSet a{};        ///< n points
-  /// Points that coincide with them at time 0, together n. Or else patches: each point keeps its place
-  /// relative to three vertices of `patch_body` as it is at time 0, height above their plane included.
+  /// Points that coincide with them at time 0 (where `sewn`, or released: later), together n. Or else
+  /// patches: each point keeps its place relative to three vertices of `patch_body` as it is at time 0,
+  /// height above their plane included.
   std::vector<PointSet> b{};
   BodyId patch_body{};
   std::vector<Index3> patches{};
   double break_force = std::numeric_limits<double>::infinity();  ///< [N] of each pair, above which it breaks
   bool enabled = true;
   bool contact = true;  ///< false: the two bodies do not touch while a pair holds (sim/exclusions.h)
+  bool sewn = false;    ///< contact is left out from time 0 on, so that pairs that are released can meet
 
   int64_t size() const { return a.size(); }
 };

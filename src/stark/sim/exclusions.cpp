@@ -10,7 +10,7 @@ namespace stark {
 
 namespace {
 
-constexpr double kHeld = 1.0;
+constexpr double kHeld = 1.0, kBroken = -1.0;
 
 /// Edges between what carries an attached vertex of its own body and what the vertex is still kept from.
 constexpr int kRings = 2;
@@ -28,8 +28,9 @@ class Collector {
 
   void add_attachment(const AttachmentDescription& attachment, int32_t first_pair) {
     const auto count = static_cast<int32_t>(attachment.size());
+    is_sewn_ = attachment.sewn;
     if (Exclusion* e = attachment.contact ? nullptr : whole(connected_bodies(attachment)))
-      for (int32_t pair = 0; pair < count; ++pair) e->pairs.push_back(first_pair + pair);
+      for (int32_t pair = 0; pair < count; ++pair) add_pair(*e, first_pair + pair);
     for (int32_t pair = 0; pair < static_cast<int32_t>(attachment.patches.size()); ++pair) {
       const Index3& patch = attachment.patches[pair];
       add(carriers_of(attachment.a, pair), {attachment.patch_body, {patch.begin(), patch.end()}},
@@ -44,7 +45,8 @@ class Collector {
   std::vector<Exclusion> take() {
     std::vector<Exclusion> list;
     for (auto& [key, exclusion] : found_) {
-      for (std::vector<int32_t>* numbers : {&exclusion.joints, &exclusion.pairs, &exclusion.near}) {
+      for (std::vector<int32_t>* numbers :
+           {&exclusion.joints, &exclusion.pairs, &exclusion.sewn, &exclusion.near}) {
         std::ranges::sort(*numbers);
         numbers->erase(std::ranges::unique(*numbers).begin(), numbers->end());
       }
@@ -87,21 +89,28 @@ class Collector {
     if (end.body.index < 0 || other.body.index < 0 || !can_touch(end.body.index, other.body.index)) return;
     for (const int32_t v : end.vertices) {
       Exclusion& exclusion = at(end.body.index, v, other.body.index);
-      exclusion.pairs.push_back(pair);
+      add_pair(exclusion, pair);
       if (end.body.index == other.body.index)
         exclusion.near.insert(exclusion.near.end(), other.vertices.begin(), other.vertices.end());
     }
   }
 
+  void add_pair(Exclusion& exclusion, int32_t pair) const {
+    exclusion.pairs.push_back(pair);
+    if (is_sewn_) exclusion.sewn.push_back(pair);
+  }
+
   Exclusion& at(int32_t body, int32_t vertex, int32_t other) {
     const auto [entry, is_new] = found_.try_emplace({body, vertex, other});
     if (is_new)
-      entry->second = {.body = body, .vertex = vertex, .other = other, .joints = {}, .pairs = {}, .near = {}};
+      entry->second = {
+          .body = body, .vertex = vertex, .other = other, .joints = {}, .pairs = {}, .sewn = {}, .near = {}};
     return entry->second;
   }
 
   const Scene& scene_;
   bool self_contact_;
+  bool is_sewn_ = false;  // the attachment that is being added
   std::map<std::array<int32_t, 3>, Exclusion> found_;
 };
 
@@ -171,7 +180,8 @@ bool Exclusions::concerns(int64_t k, std::span<const int32_t> sites) const {
 bool Exclusions::is_held(int64_t k, const State& state) const {
   const Exclusion& exclusion = (*this)[k];
   return std::ranges::any_of(exclusion.joints, [&](int32_t j) { return state.joint_enabled[j] == kHeld; }) ||
-         std::ranges::any_of(exclusion.pairs, [&](int32_t p) { return state.attachment_held[p] == kHeld; });
+         std::ranges::any_of(exclusion.pairs, [&](int32_t p) { return state.attachment_held[p] == kHeld; }) ||
+         std::ranges::any_of(exclusion.sewn, [&](int32_t p) { return state.attachment_held[p] != kBroken; });
 }
 
 std::vector<int64_t> Exclusions::released(const State& state) const {

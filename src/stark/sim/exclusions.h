@@ -21,6 +21,7 @@ struct Exclusion {
   int32_t other = 0;                  ///< the body that it is kept from; of whole bodies the larger number
   std::vector<int32_t> joints;        ///< that hold it, by number in the scene
   std::vector<int32_t> pairs;         ///< of attachments that hold it, by place in attachment_held
+  std::vector<int32_t> sewn;          ///< of pairs: those that hold it while they are released, too
   /// Of a body attached to itself: vertices that the vertex is kept from instead of all of the body, sorted.
   /// Those that carry what it is attached to, and those up to two edges from them: elsewhere the body touches
   /// itself along a seam, too.

@@ -21,6 +21,8 @@ namespace {
 // Cosine between the normal of a triangle and the x axis above which the default warp direction is y.
 constexpr double kPerpendicular = 0.999;
 
+constexpr const char *kBendingStiffness = "bending_stiffness", *kFlexuralRigidity = "flexural_rigidity";
+
 int64_t element_count(const SolidDescription& solid) { return solid.mesh.element_count(); }
 int64_t element_count(const ClothDescription& cloth) {
   return static_cast<int64_t>(cloth.mesh.triangles.size());
@@ -181,7 +183,10 @@ void check(std::string_view owner, const Description& body, const char* default_
       throw InvalidArgument(std::string(owner) + ": " + law + " needs a value of " + d.name +
                             (d.unit == "1" ? "" : " [" + d.unit + "]") + ", " + d.doc +
                             "; give one for the whole body or one for each element");
-  for (const char* name : {"density", rest_state::kThermalExpansion})
+  std::vector<const char*> beside{"density", rest_state::kThermalExpansion};
+  if constexpr (std::is_same_v<Description, ClothDescription>)
+    beside.insert(beside.end(), {kBendingStiffness, kFlexuralRigidity});
+  for (const char* name : beside)
     if (std::ranges::find(declarations, name, &ParameterDeclaration::name) == declarations.end())
       declarations.push_back(declaration_in(decltype(body.material)::fields(), name));
   std::vector<std::string> names;
@@ -195,11 +200,17 @@ void check(std::string_view owner, const Description& body, const char* default_
       check_values(owner, d, found->second, element_count(body));
 }
 
+/// The value of an element, that of the material where the body has no field of the name.
+template <typename Description>
+double field_at(const Description& body, const char* name, double of_material, size_t element) {
+  const auto found = body.fields.find(name);
+  if (found == body.fields.end()) return of_material;
+  return found->second.values[found->second.per_element ? element : 0];
+}
+
 template <typename Description>
 double density_at(const Description& body, size_t element) {
-  const auto found = body.fields.find("density");
-  if (found == body.fields.end()) return body.material.density;
-  return found->second.values[found->second.per_element ? element : 0];
+  return field_at(body, "density", body.material.density, element);
 }
 
 void check_warp(std::string_view owner, const ClothDescription& cloth) {
@@ -256,6 +267,22 @@ double element_density(const ClothDescription& cloth, size_t element) { return d
 double element_density(const RodDescription& rod, size_t element) { return density_at(rod, element); }
 double element_density(const FibresDescription& fibres, size_t element) {
   return density_at(fibres, element);
+}
+
+double bending_stiffness(const ClothDescription& cloth, size_t triangle) {
+  return field_at(cloth, kBendingStiffness, cloth.material.bending_stiffness, triangle);
+}
+double flexural_rigidity(const ClothDescription& cloth, size_t triangle) {
+  return field_at(cloth, kFlexuralRigidity, cloth.material.flexural_rigidity, triangle);
+}
+
+void keep_largest_bending(ShellMaterial& material, const ParameterValues& fields) {
+  const auto keep = [&](const char* name, double& value) {
+    if (const auto found = fields.find(name); found != fields.end() && !found->second.values.empty())
+      value = *std::ranges::max_element(found->second.values);
+  };
+  keep(kBendingStiffness, material.bending_stiffness);
+  keep(kFlexuralRigidity, material.flexural_rigidity);
 }
 
 double smallest_modulus(const ElasticEnergy& energy) {

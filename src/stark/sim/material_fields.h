@@ -42,4 +42,11 @@ double element_density(const ClothDescription& cloth, size_t element);
 double element_density(const RodDescription& rod, size_t element);
 double element_density(const FibresDescription& fibres, size_t element);
 
+/// Of a triangle of cloth, [J] of its hinges and [N m] of a plate.
+double bending_stiffness(const ClothDescription& cloth, size_t triangle);
+double flexural_rigidity(const ClothDescription& cloth, size_t triangle);
+/// Gives the material the largest values of fields of both, so that it says whether a sheet bends at all, and
+/// how.
+void keep_largest_bending(ShellMaterial& material, const ParameterValues& fields);
+
 }  // namespace stark

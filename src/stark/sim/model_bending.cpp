@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include <stark/geometry/topology.h>
 #include <stark/mechanics/plate_element.h>
@@ -18,6 +19,41 @@ PotentialDefinition curling_plastic_plate(int hinges);
 }  // namespace models
 
 namespace {
+
+/// Stiffness of a hinge: both halves of its width, one in each triangle, carry the same moment.
+double in_series(double a, double b) { return a > 0.0 && b > 0.0 ? 2.0 / (1.0 / a + 1.0 / b) : 0.0; }
+
+/// Of the hinges [J].
+ParameterValues hinge_stiffness(const ClothDescription& sheet, std::span<const Index4> hinges) {
+  FieldValues stiffness{{sheet.material.bending_stiffness}};
+  if (sheet.fields.contains("bending_stiffness")) {
+    std::map<std::array<int32_t, 3>, double> by_triangle;
+    const auto key = [](int32_t a, int32_t b, int32_t c) {
+      std::array<int32_t, 3> sorted{a, b, c};
+      std::ranges::sort(sorted);
+      return sorted;
+    };
+    for (size_t t = 0; t < sheet.mesh.triangles.size(); ++t) {
+      const Index3& v = sheet.mesh.triangles[t];
+      by_triangle[key(v[0], v[1], v[2])] = bending_stiffness(sheet, t);
+    }
+    stiffness = {.values = {}, .per_element = true};
+    for (const auto& [a, b, c, d] : hinges)
+      stiffness.values.push_back(in_series(by_triangle.at(key(a, b, c)), by_triangle.at(key(a, b, d))));
+  }
+  return {{"bending_stiffness", std::move(stiffness)}};
+}
+
+/// Of the elements of a plate [N m], each that of its triangle.
+ParameterValues plate_rigidity(const ClothDescription& sheet, std::span<const PlateElement* const> elements) {
+  FieldValues rigidity{{sheet.material.flexural_rigidity}};
+  if (sheet.fields.contains("flexural_rigidity")) {
+    rigidity = {.values = {}, .per_element = true};
+    for (const PlateElement* element : elements)
+      rigidity.values.push_back(flexural_rigidity(sheet, static_cast<size_t>(element->triangle)));
+  }
+  return {{"flexural_rigidity", std::move(rigidity)}};
+}
 
 /// Entries of a form over the hinges of an element, as data "form00", "form01", ...
 void set_form(PotentialBatch& batch, int64_t e, const std::array<double, 10>& form, int hinges) {
@@ -85,19 +121,19 @@ void Model::Builder::add_hinges(const ClothDescription& sheet, const ModelBody& 
   const bool flat = sheet.rest_angles == RestAngles::Flat;
   const bool yields = std::isfinite(yield.moment) && material.bending_stiffness > 0.0;
   if (yields) {
-    PotentialBatch& bending = add_batch(models::plastic_bending(), stencils, name);
+    PotentialBatch& bending =
+        add_batch(models::plastic_bending(), stencils, name, hinge_stiffness(sheet, hinges));
     const std::vector<Vec3>& X = sheet.mesh.vertices;
     for (size_t e = 0; e < hinges.size(); ++e) {
       const auto [a, b, c, d] = hinges[e];
       bending.set("rest_angle", static_cast<int64_t>(e), flat ? 0.0 : fold_angle(X[a], X[b], X[c], X[d]));
     }
-    bending.set_uniform("bending_stiffness", material.bending_stiffness);
     set_yield(bending, yield);
     if (material.bending_damping == 0.0) return;
   }
   PotentialBatch& bending =
-      add_batch(flat ? models::flat_bending() : models::discrete_shell_bending(), stencils, name);
-  bending.set_uniform("bending_stiffness", yields ? 0.0 : material.bending_stiffness);
+      add_batch(flat ? models::flat_bending() : models::discrete_shell_bending(), stencils, name,
+                yields ? ParameterValues{{"bending_stiffness", {{0.0}}}} : hinge_stiffness(sheet, hinges));
   bending.set_uniform("bending_damping", material.bending_damping);
 }
 
@@ -121,7 +157,9 @@ void Model::Builder::add_plate(const ClothDescription& sheet, const ModelBody& b
     const bool yields = std::isfinite(yield.moment) && hinges < 4;
     for (const bool plastic : {true, false}) {  // of what yields the second one is the damping
       if (plastic ? !yields : yields && material.bending_damping == 0.0) continue;
-      PotentialBatch& batch = add_batch(plate_of(hinges, plastic, curls), stencils, name);
+      PotentialBatch& batch = add_batch(plate_of(hinges, plastic, curls), stencils, name,
+                                        yields && !plastic ? ParameterValues{{"flexural_rigidity", {{0.0}}}}
+                                                           : plate_rigidity(sheet, chosen));
       if (curls) {
         std::vector<int32_t>& triangles = energies.batches.back().subject;
         for (const PlateElement* element : chosen) triangles.push_back(element->triangle);
@@ -133,7 +171,6 @@ void Model::Builder::add_plate(const ClothDescription& sheet, const ModelBody& b
         if (plastic) set_curvature(batch, e, *chosen[k]);
         if (curls) set_natural_curvature(batch, e, *chosen[k], natural->second.values);
       }
-      batch.set_uniform("flexural_rigidity", yields && !plastic ? 0.0 : material.flexural_rigidity);
       if (plastic) {
         batch.set_uniform("poissons_ratio", material.poissons_ratio);
         set_yield(batch, yield);

@@ -184,7 +184,10 @@ void Model::Builder::list_contact() {
     }
   }
   for (const JointDescription& joint : scene.joints()) pairs.append(joint.contact);
-  for (const AttachmentDescription& attachment : scene.attachments()) pairs.append(attachment.contact);
+  for (const AttachmentDescription& attachment : scene.attachments()) {
+    pairs.append(attachment.contact);
+    if (attachment.sewn) pairs.append(attachment.sewn);
+  }
   add_part("coefficients of friction", false, friction);
   if (scene.has_restitution()) add_part("coefficients of restitution", false, restitution);
   add_part("pairs of bodies without contact", false, pairs);

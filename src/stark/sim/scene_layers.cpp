@@ -96,6 +96,7 @@ std::string Scene::name_layer(const std::string& kind, BodyId body, std::string&
 SkinId Scene::add_skin(SkinDescription skin) {
   const std::string owner = name_layer("skin", skin.body, skin.name);
   std::vector<std::string> warnings;
+  keep_largest_bending(skin.material, skin.fields);
   validate(skin.material, owner);
   check_color(owner, skin.color);
   if (skin.triangles.empty()) skin.triangles = surface_triangles(skin.body);

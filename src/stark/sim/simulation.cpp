@@ -138,11 +138,13 @@ void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) c
     const Index2& edge = surface_mesh_.edges[first.edge];
     const Index3& t = surface_mesh_.triangles[first.triangle];
     const Vec3 where = meeting_point(x[edge[0]], x[edge[1]], x[t[0]], x[t[1]], x[t[2]]);
-    throw InitialIntersection(name(surface_mesh_.edge_group[first.edge]) + " and " +
-                              name(surface_mesh_.triangle_group[first.triangle]) + " intersect " + when +
-                              " at " + std::to_string(intersections.size()) +
+    const int32_t a = surface_mesh_.edge_group[first.edge];
+    const int32_t b = surface_mesh_.triangle_group[first.triangle];
+    throw InitialIntersection(name(a) + (a == b ? " intersects itself " : " and " + name(b) + " intersect ") +
+                              when + " at " + std::to_string(intersections.size()) +
                               " edge-triangle pairs, the first near " + point_text(where) +
-                              "; move them apart, or disable contact between them");
+                              (a == b ? "; pull its layers apart there, or add it with self_contact = false"
+                                      : "; move them apart, or disable contact between them"));
   }
   const auto contained = intersections_->contained_groups(x, contact_->filter(), *pool_);
   if (!contained.empty()) {

@@ -192,6 +192,8 @@ class Simulation {
   const std::vector<double>& held_places() const {
     return state_.held_place.empty() ? model_->initial_places() : state_.held_place;
   }
+  /// By pair, held or not: distance from where it is attached [m].
+  std::vector<double> attachment_gaps(AttachmentId attachment) const;
   /// By pair: 1 held, 0 released, -1 broken.
   std::vector<int32_t> attachment_status(AttachmentId attachment) const;
   /// Forces [N] on the points of side a in the last step, zero for pairs that were not held; what carries

@@ -36,26 +36,34 @@ void Simulation::check_attachments() {
 void Simulation::check_attachment_agrees(AttachmentId id) const {
   const AttachmentDescription& attachment = scene_.attachment(id);
   const ModelAttachment& place = model_->attachments()[id.index];
-  const std::vector<double> C = energies_.constraints.residuals(site_positions());
+  const std::vector<double> gaps = attachment_gaps(id);
   const double tolerance = joint_tolerance(settings_.joints).length;
   int32_t released = 0, apart = 0, farthest = -1;
   double largest = 0.0;
   for (int32_t pair = 0; pair < attachment.size(); ++pair) {
     if (state_.attachment_held[place.first_pair + pair] != kReleased) continue;
     ++released;
-    const double gap =
-        norm(vector_at(C, energies_.constraints.place(place.first_constraint + pair).residual));
-    if (gap <= tolerance) continue;
+    if (gaps[pair] <= tolerance) continue;
     ++apart;
-    if (!(gap <= largest)) largest = gap, farthest = pair;
+    if (!(gaps[pair] <= largest)) largest = gaps[pair], farthest = pair;
   }
   if (apart == 0) return;
-  throw InvalidArgument(
-      "attachment '" + attachment.name + "': " + std::to_string(apart) + " of " + std::to_string(released) +
-      " released pairs are away from where they were attached at time 0, pair " + std::to_string(farthest) +
-      " by " + rough_text(largest, "m") + ": must be within " + quantity_text(tolerance, "m") +
-      " to be held again, as the next step would throw them there; bring them there first, "
-      "or pull_together() if that is meant");
+  throw InvalidArgument("attachment '" + attachment.name + "': " + std::to_string(apart) + " of " +
+                        std::to_string(released) + " released pairs are away from where " +
+                        (attachment.sewn ? "they meet" : "they were attached at time 0") + ", pair " +
+                        std::to_string(farthest) + " by " + rough_text(largest, "m") + ": must be within " +
+                        quantity_text(tolerance, "m") +
+                        " to be held again, as the next step would throw them there; bring them there first, "
+                        "or pull_together() if that is meant");
+}
+
+std::vector<double> Simulation::attachment_gaps(AttachmentId id) const {
+  std::vector<double> gaps(scene_.attachment(id).size());
+  const std::vector<double> C = energies_.constraints.residuals(site_positions());
+  const int32_t first = model_->attachments()[id.index].first_constraint;
+  for (int32_t pair = 0; pair < static_cast<int32_t>(gaps.size()); ++pair)
+    gaps[pair] = norm(vector_at(C, energies_.constraints.place(first + pair).residual));
+  return gaps;
 }
 
 void Simulation::set_attachment_enabled(AttachmentId id, bool enabled) {

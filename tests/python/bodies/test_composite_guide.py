@@ -17,7 +17,7 @@ GUIDE = ROOT / "docs/composite.md"
 
 def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
     blocks = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
-    assert len(blocks) == 2
+    assert len(blocks) == 3
     names: dict[str, object] = {}
     for block in blocks:
         exec(compile(block.replace("until=0.2", "until=0.05"), str(GUIDE), "exec"), names)

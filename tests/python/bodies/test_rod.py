@@ -301,7 +301,7 @@ def test_pictures_and_recordings_show_a_tube(tmp_path: Path) -> None:
 
 def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
     blocks = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
-    assert len(blocks) == 4
+    assert len(blocks) == 5
     names: dict[str, object] = {}
     for block in blocks:
         exec(compile(block.replace("until=0.5", "until=0.05"), str(GUIDE), "exec"), names)

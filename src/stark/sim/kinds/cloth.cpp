@@ -57,6 +57,7 @@ BodyId Scene::add_cloth(ClothDescription body) {
   body.name = unique_name(body.name, BodyKind::Cloth);
   const std::string owner = owner_text(BodyKind::Cloth, body.name);
   std::vector<std::string> warnings;
+  keep_largest_bending(body.material, body.fields);
   validate(body.material, owner);
   check_cloth_mesh(owner, body.mesh, warnings);
   warn_about_free_directions(owner, body.mesh, body.material, warnings);
