@@ -161,6 +161,34 @@ class SceneLoads(SceneLink):
         set_courses("energy", load, {"torque": torque})
         return load
 
+    def add_rollers(
+        self,
+        points: Points,
+        normal: str | ArrayLike,
+        *,
+        shift: TimeValue = 0.0,
+        stiffness: float | None = None,
+        name: str | None = None,
+    ) -> Energy:
+        """Roller supports: points of a cloth or a solid, ``solid.vertices[mask]``, stay in the plane across
+        ``normal``, "x", "y", "z" or (3,), in which each is at time 0, and move freely in it: a plane of
+        symmetry, a press without friction. ``handle.shift`` [m] moves the planes along the normal at any
+        time; ``handle.forces`` (n, 1, 3) [N] are the reactions on the points. ``stiffness`` [N/m] of each
+        support: by default a thousand times that of a cell of the body, whose material then must have a
+        Young's modulus."""
+        from stark.loads import rollers
+
+        owner = "rollers" if name is None else f"rollers '{name}'"
+        points = rollers.check_points(points, owner)
+        values = {
+            "place": points.positions,
+            "normal": rollers.unit_normal(normal, owner),
+            "stiffness": rollers.stiffness_of(points, owner) if stiffness is None else stiffness,
+        }
+        load = self.add(rollers.rollers(points, shift=at_start(shift, owner), **values), name=name)
+        set_courses("energy", load, {"shift": shift})
+        return load
+
 
 def _inside(surface: Any, what: str, name: str | None) -> tuple[ClosedSurface, str]:
     """The closed surface that is meant, and the name of the load in messages."""

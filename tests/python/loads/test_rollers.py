@@ -1,0 +1,69 @@
+"""Roller supports against closed forms: bars and sheets in uniaxial tension."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stark
+
+E, NU = 2e6, 0.3
+RUBBER = stark.SolidMaterial(density=1000, youngs_modulus=E, poissons_ratio=NU)
+STILL: dict[str, Any] = {"gravity": (0, 0, 0), "time.integrator": "quasistatic"}
+
+
+@pytest.mark.parametrize("kind", ["hexahedra", "tetrahedra"])
+def test_a_bar_in_tension_gets_thinner(kind: str) -> None:
+    edges = (0.1, 0.04, 0.03)
+    mesh = stark.mesh.box_hexahedra(edges, (5, 2, 2)) if kind == "hexahedra" else stark.mesh.tet_box(edges, 4)
+    scene = stark.Scene()
+    bar = scene.add_solid(mesh, RUBBER)
+    at = bar.mesh.vertices
+    for k, axis in enumerate("xyz"):
+        scene.add_rollers(bar.vertices[abs(at[:, k] - at[:, k].min()) < 1e-9], axis)
+    end = scene.add_rollers(
+        bar.vertices[abs(at[:, 0] - 0.05) < 1e-9], (2.0, 0.0, 0.0), shift=lambda t: 1e-4 * t
+    )
+    sim = stark.Simulation(scene, time_step=0.5, **STILL)
+    sim.run_until(1.0)
+    strain = np.ptp(bar.positions, axis=0) / np.ptp(at, axis=0) - 1.0
+    # Supports give way by a thousandth of a cell; finite strains are 1e-3 of small ones.
+    np.testing.assert_allclose(strain, 1e-3 * np.array([1.0, -NU, -NU]), rtol=2e-3)
+    pull = end.forces.sum(axis=(0, 1))
+    assert pull[0] == pytest.approx(1e-3 * E * edges[1] * edges[2], rel=2e-3)
+    assert np.abs(pull[1:]).max() < 1e-9 * pull[0]
+    with pytest.raises(stark.InvalidArgument, match="shift"):
+        end.shift = np.nan
+
+
+def test_cloth_slides_in_a_plane_of_symmetry() -> None:
+    """Half of a sheet that is pulled, with E t A strain at its middle."""
+    sheet = stark.ShellMaterial(density=0.2, thickness=1e-3, youngs_modulus=1e6, poissons_ratio=0.0)
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.1, (8, 4)), sheet)
+    x = cloth.mesh.vertices[:, 0]
+    middle = scene.add_rollers(cloth.vertices[x < -0.0999], "x")
+    scene.add_rollers(cloth.vertices[x > 0.0999], "x", shift=2e-4)
+    scene.add_rollers(cloth.vertices[abs(cloth.mesh.vertices[:, 1] + 0.05) < 1e-9], "y")
+    scene.add_rollers(cloth.vertices, "z", stiffness=1.0)
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    assert middle.forces.sum(axis=(0, 1))[0] == pytest.approx(-1e6 * 1e-3 * 0.1 * 1e-3, rel=3e-3)
+
+
+def test_what_cannot_roll_is_refused() -> None:
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=1.0)
+    soft = scene.add_solid(stark.mesh.tet_box(0.1, 1), RUBBER, position=(1, 0, 0))
+    count = len(scene.energies)
+    for points, normal, message in (
+        (soft, "x", r"rollers: points = .*: must be points of a body, such as solid\.vertices"),
+        (soft.vertices[[0]], "up", r"rollers: normal = 'up': must be 'x', 'y', 'z' or a vector"),
+        (soft.vertices[[0]], (0, 0, 0), r"rollers: normal = \(0, 0, 0\): must be"),
+        (box.points((0, 0, 0)), "x", r"has no Young's modulus that says how stiff .* give stiffness="),
+    ):
+        with pytest.raises(stark.InvalidArgument, match=message):
+            scene.add_rollers(points, normal)  # type: ignore[arg-type]
+    assert len(scene.energies) == count
