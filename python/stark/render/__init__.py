@@ -11,6 +11,7 @@ from .camera import Camera, auto_camera, scene_bounds
 from .fields import field_values
 from .picture import render
 from .png import read_png, write_png
+from .tensors import tensor_values
 from .video import write_video
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "read_png",
     "render",
     "scene_bounds",
+    "tensor_values",
     "write_png",
     "write_video",
 ]

@@ -46,8 +46,8 @@ def field_values(sim: Any, name: str, bodies: Any = None) -> dict[str, np.ndarra
     out), with the thickness at rest. Skins and fibres are not counted. Growth and thermal expansion are
     strains, counted from the mesh, but free of stress; muscles have their active stress.
 
-    Raises InvalidArgument for fields that are unknown, and for the stress of laws other than the built-in
-    ones, among them those that yield and relax."""
+    Raises InvalidArgument for fields that are unknown, and for the stress of laws with internal variables,
+    those that yield and relax."""
     kind = _known(name)
     every = list(sim.bodies)
     indices = range(len(every)) if bodies is None else matching(bodies, [b.name for b in every], "bodies")
@@ -173,15 +173,20 @@ def _strain(body: Any) -> np.ndarray:
 
 
 def _stress(body: Any) -> np.ndarray:
-    material = body._shared["material"]
     if not row_of(body).has_triangles:
-        return _rod_stress(body, material)
+        return _rod_stress(body, body._shared["material"])
+    return von_mises(at_body(body, *body_stress(body)))
+
+
+def body_stress(body: Any) -> tuple[Deformation, np.ndarray]:
+    """Of a cloth or a solid: its deformation, and the Cauchy stress in its elements (m, k, 3, 3) [Pa]."""
+    material = body._shared["material"]
     deformation = of_body(body, material._fields.get("warp_direction"))
     elastic = deformation._replace(gradients=beyond_rest(body, deformation.gradients))
     cauchy = cauchy_stress(material, elastic, body.name)
     if body.active_stress.any():
         cauchy = cauchy + _active_stress(body, deformation.gradients)
-    return von_mises(at_body(body, deformation, cauchy))
+    return deformation, cauchy
 
 
 def _rest_stretch(body: Any) -> np.ndarray:

@@ -8,6 +8,8 @@ from typing import Annotated, Any
 import numpy as np
 
 import stark.symbolic as sym
+from stark.formulas.law_checks import Law
+from stark.formulas.material_law import MaterialLaw
 
 from .._core import InvalidArgument
 
@@ -124,15 +126,38 @@ def density_and_stress(material: Any, F: np.ndarray, owner: str) -> tuple[np.nda
     if name == "corotated":
         psi, P = _corotated(material, F)
     elif law is None:
-        raise InvalidArgument(
-            f"'{owner}': stress: its law '{name}' is not one of those whose stress pictures "
-            f"know; leave the body out with bodies= or hide=, or give an array: field={{'{owner}': values}}"
-        )
+        psi, P = _recorded(material, F, owner, name)
     else:
         names = [a.name for a in law.formula.arguments if a.name != "F"]
         psi, P = law.value_and_gradient(F, **{name: _by_element(material, name) for name in names}, wrt="F")
     limit_psi, limit_P = _limit(material, F)
     return psi + limit_psi, P + limit_P
+
+
+def _recorded(material: Any, F: np.ndarray, owner: str, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Of a law that a function was recorded for, at rest where it depends on what was before: without what
+    is viscous."""
+    law = None if material._recorded is None else material._recorded[0]
+    why = "is not one of those whose stress is known"
+    if isinstance(law, MaterialLaw):
+        depends = {source[0] for source in law.sources.values()}
+        why = (
+            "has internal variables" if law.internals else "depends on the time" if "time" in depends else ""
+        )
+    if why:
+        raise InvalidArgument(
+            f"'{owner}': stress: its law '{name}' {why}; leave the body out with bodies= or hide=, or give "
+            f"an array: field={{'{owner}': values}}"
+        )
+    places = F.shape[1]
+    values = {}
+    for parameter in law.parameters:
+        value = law.value(parameter, np.asarray(getattr(material, parameter.name), dtype=np.float64))
+        is_by_element = value.ndim > len(parameter.shape)
+        values[parameter.name] = np.repeat(value, places, axis=0) if is_by_element else value
+    flat = F.reshape(-1, *F.shape[2:])
+    psi, P, _ = Law(law, values).at(flat, flat, order=1)
+    return psi.reshape(F.shape[:2]), P.reshape(F.shape)
 
 
 def _by_element(material: Any, name: str) -> Any:
