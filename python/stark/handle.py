@@ -172,12 +172,13 @@ class SceneLink:
         if all(body < self._simulated_bodies for body in bodies):
             self._changes, self._last_change = self._changes + 1, what
 
-    def _warn_of_simulation(self, body: BodyHandle, what: str) -> None:
+    def _warn_of_simulation(self, body: BodyHandle, what: str, remedy: str | None = None) -> None:
         """After a change of a body that one may take for a change of the simulation that it is in."""
+        how = remedy or what
         latest = self._latest_simulation()
         if latest is not None and body._index < latest._core.body_count:
             warnings.warn(
-                f"'{body.name}': {what} does not affect the existing simulation; {what} before you create "
+                f"'{body.name}': {what} does not affect the existing simulation; {how} before you create "
                 f"stark.Simulation(scene), or create a new one",
                 StarkWarning,
                 stacklevel=3,

@@ -58,7 +58,7 @@ class MovingSurface(BodyHandle):
     def surface_center(self, value: ArrayLike) -> None:
         self._require_of_scene("surface_center")
         self._give(2, vector(value, f"'{self.name}': surface_center"))
-        self._scene._warn_of_simulation(self, "surface_center")
+        self._scene._warn_of_simulation(self, "surface_center", "assign it")
 
     # --- details ---
 

@@ -122,7 +122,7 @@ class RestState(BodyHandle):
                 )
             core.set_rest_state(self._index, numbers)
             self._rest_values[name] = Value(array)
-            self._scene._warn_of_simulation(self, name)
+            self._scene._warn_of_simulation(self, name, f"assign {name} once")
             return
         core.check_rest_state(self._index, numbers)
         known.array[...] = array  # in place: arrays that were handed out stay live

@@ -284,10 +284,11 @@ void StepRunner::report_nearness() {
 
 void StepRunner::report_friction() {
   report_.friction_residual = contact_->friction_residual();
-  // With a single update friction lags by choice.
+  // With a single update friction lags by choice; what changes by less than the residual is within that.
   const int updates = settings_.contact.friction_updates;
   const std::optional<LimitChange> left = contact_->unsettled_friction();
-  if (!left || updates == 1 || report_.solve.is_settled) return;
+  if (!left || updates == 1 || report_.solve.is_settled || left->largest_change <= report_.solve.residual)
+    return;
   add_caveat(Caveat::OldFriction, "limits of friction still changed by " +
                                       rough_text(left->largest_change, "N") + ", the largest there being " +
                                       rough_text(left->largest_limit, "N") +
