@@ -55,8 +55,16 @@ class Body(ContactSensors, AnsweredAttributes):
         "friction": "scene.friction[a, b] for a pair, or friction=0.5 where the body is added",
         "restitution": "scene.restitution[a, b]",
         **dict.fromkeys(
-            ("stress", "strain"),
-            "stark.render.field_values(sim, 'stress')[body.name], or sim.picture(field='stress')",
+            ("stress", "stresses", "cauchy_stress"),
+            "stark.render.tensor_values(sim, 'stress')[body.name], or sim.picture(field='stress')",
+        ),
+        **dict.fromkeys(
+            ("strain", "strains", "von_mises", "von_mises_stress"),
+            "stark.render.field_values(sim, 'strain')[body.name], or 'stress' for that of von Mises",
+        ),
+        **dict.fromkeys(
+            ("deformation_gradient", "deformation_gradients"),
+            "stark.render.tensor_values(sim, 'deformation_gradient', at='elements')[body.name]",
         ),
         **dict.fromkeys(
             ("energy", "kinetic_energy", "potential_energy"), "report.energy of what sim.step() returns"
