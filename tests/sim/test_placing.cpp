@@ -50,8 +50,7 @@ TEST_CASE("what is refused leaves the state and the sensors as they were") {
   const size_t contacts = sim.contacts().size();
   REQUIRE(contacts > 0);
   CHECK_THROWS_WITH_AS(sim.place(left, {0.31, 0, 0.2}, Mat3::identity()),
-                       doctest::Contains("'left' and 'right' intersect as placed"),
-                       InitialIntersection);
+                       doctest::Contains("'left' and 'right' intersect as placed"), InitialIntersection);
   CHECK_THROWS_AS(sim.place(left, {0, 0, NAN}, Mat3::identity()), InvalidArgument);
   CHECK_THROWS_AS(sim.place(left, {0, 0, 1}, Mat3{}), InvalidArgument);
   CHECK_THROWS_AS(sim.place_vertices(left, std::vector<Vec3>(8)), InvalidArgument);

@@ -138,13 +138,8 @@ def _recorded(material: Any, F: np.ndarray, owner: str, name: str) -> tuple[np.n
     """Of a law that a function was recorded for, at rest where it depends on what was before: without what
     is viscous."""
     law = None if material._recorded is None else material._recorded[0]
-    why = "is not one of those whose stress is known"
-    if isinstance(law, MaterialLaw):
-        depends = {source[0] for source in law.sources.values()}
-        why = (
-            "has internal variables" if law.internals else "depends on the time" if "time" in depends else ""
-        )
-    if why:
+    why = _unknown_stress(law)
+    if why or not isinstance(law, MaterialLaw):
         raise InvalidArgument(
             f"'{owner}': stress: its law '{name}' {why}; leave the body out with bodies= or hide=, or give "
             f"an array: field={{'{owner}': values}}"
@@ -158,6 +153,15 @@ def _recorded(material: Any, F: np.ndarray, owner: str, name: str) -> tuple[np.n
     flat = F.reshape(-1, *F.shape[2:])
     psi, P, _ = Law(law, values).at(flat, flat, order=1)
     return psi.reshape(F.shape[:2]), P.reshape(F.shape)
+
+
+def _unknown_stress(law: Any) -> str:
+    """Why the stress does not follow from the deformation alone; empty if it does."""
+    if not isinstance(law, MaterialLaw):
+        return "is not one of those whose stress is known"
+    if law.internals:
+        return "has internal variables"
+    return "depends on the time" if any(source[0] == "time" for source in law.sources.values()) else ""
 
 
 def _by_element(material: Any, name: str) -> Any:

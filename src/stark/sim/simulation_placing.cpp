@@ -24,8 +24,8 @@ const Placed& Simulation::placed() const { return parts_->placing.placed(); }
 
 void Simulation::end_placing() {
   if (!is_placing()) throw InvalidArgument("end_placing(): no bodies are placed; begin_placing() begins it");
-  const bool is_placed = parts_->placing.end(
-      [&](std::span<const Vec3> x) { check_state_clear(state_, x, "as placed"); });
+  const bool is_placed =
+      parts_->placing.end([&](std::span<const Vec3> x) { check_state_clear(state_, x, "as placed"); });
   if (is_placed) forget_last_step();
 }
 
