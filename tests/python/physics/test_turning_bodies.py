@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipctk
 import numpy as np
 import pytest
 
@@ -78,3 +79,22 @@ def test_a_stiff_solid_tumbles_as_a_rigid_body() -> None:
     turn = (u @ vt).T @ box.rotation
     angle = np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))
     assert angle < 0.05  # of lumped masses: 0.046, half as much with cells of half the size
+
+
+def test_a_blade_that_spins_into_a_sheet_goes_through_nothing() -> None:
+    """No rigid body is there, so that only bodies of points leave straight ways."""
+    scene = stark.Scene()
+    blade = stark.mesh.tet_box((0.2, 0.03, 0.004), cells=(10, 2, 1))
+    scene.add_solid(blade, STEEL, position=(0.0, 0.0, 0.02), angular_velocity=(0.0, 25.0, 0.0))
+    sheet = scene.add_cloth(stark.mesh.grid(0.3, 0.1, cells=(15, 5)), stark.materials.paper)
+    sheet.pin([0, 15])
+    sim = stark.Simulation(scene, time_step=0.005, gravity=NONE)
+    surface = sim._core.surface()
+    mesh = ipctk.CollisionMesh(
+        surface["positions"], surface["edges"].reshape(-1, 2), surface["triangles"].reshape(-1, 3)
+    )
+    contacts = 0
+    for report in sim.run(until=0.15):
+        contacts += report.contact_count
+        assert not ipctk.has_intersections(mesh, np.array(sim._core.surface()["positions"]))
+    assert contacts > 20
