@@ -115,7 +115,7 @@ TEST_CASE("points that are embedded sites follow the points of their support") {
   map.follow(values);
   CHECK(values[3] == Vec3{0.5, 1.5, -1.0});
   Configuration start{values, {}, {}}, moved;
-  map.retract(start, std::vector<double>{1, 1, 1, 0, 0, 8}, 0.5, moved);
+  map.retract(start, std::vector<double>{1, 1, 1, 0, 0, 8}, 0.5, KinematicMap::Way::Straight, moved);
   CHECK(moved.point_position[3] == Vec3{0.75, 1.75, 2.25});
   std::vector<Vec3> x(4);
   map.positions(moved, x);

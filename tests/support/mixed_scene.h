@@ -174,7 +174,7 @@ class MixedScene {
   /// configuration moved along direction by t.
   Configuration along(std::span<const double> direction, double t) const {
     Configuration result;
-    map.retract(configuration, direction, t, result);
+    map.retract(configuration, direction, t, KinematicMap::Way::Straight, result);
     return result;
   }
 

@@ -26,6 +26,8 @@ _DAMPING, _LARGEST_DAMPING = 1e-3, 1e12
 _LARGEST_TURN = 1.0
 #: A search ends where a step improves the squared error by less than this share of it.
 _STALLED = 1e-13
+#: What counts as standing at a limit: rounding of the last step may stop short of it [rad, m].
+_AT_LIMIT = 1e-12
 
 
 class Reach(NamedTuple):
@@ -188,7 +190,8 @@ def _step(normal: Floats, downhill: Floats, damping: float, box: tuple[Floats, F
 
 def stopped(q: Floats, bounds: Bounds, names: tuple[str, ...]) -> tuple[str, ...]:
     """Coordinates that stand at a limit."""
-    at_limits = (bounds[0] < bounds[1]) & ((q <= bounds[0]) | (q >= bounds[1]))
+    stands = (q <= bounds[0] + _AT_LIMIT) | (q >= bounds[1] - _AT_LIMIT)
+    at_limits = (bounds[0] < bounds[1]) & stands
     return tuple(name for name, stops in zip(names, at_limits, strict=True) if stops)
 
 

@@ -171,7 +171,9 @@ void IncrementalPotential::set_trial(std::span<const double> direction, double a
   if (trial_alpha_ == alpha && std::ranges::equal(direction, trial_direction_)) return;
   trial_alpha_ = alpha;
   trial_direction_.assign(direction.begin(), direction.end());
-  map_.retract(iterate_, direction, alpha, trial_);
+  // Directions towards prescribed parts that turn have the chords of their turns.
+  const auto way = has_pending_motion() ? KinematicMap::Way::Straight : KinematicMap::Way::Turning;
+  trial_way_ = map_.retract(iterate_, direction, alpha, way, trial_);
   trial_progress_ = alpha >= 1.0 ? 1.0 : progress_ + alpha * (1.0 - progress_);
   for (const int32_t p : prescribed_points_)
     trial_.point_position[p] =
@@ -211,12 +213,14 @@ double IncrementalPotential::bound_step(std::span<const double> direction, doubl
   if (!active_set_) return alpha;
   // Linear vertex paths are certified. Where bodies rotate, the pose at a smaller alpha is off the path to
   // the larger one, so a shortened step is tested again until it is safe as a whole.
+  set_trial(direction, alpha);
+  is_bound_straight_ = rotation_blocks_.empty() && trial_way_ == KinematicMap::Way::Straight;
   while (alpha > 0.0) {
     set_trial(direction, alpha);
     const double fraction = active_set_->max_step(x_, x_trial_);
     if (fraction >= 1.0) break;
     alpha *= kSafeFraction * fraction;
-    if (rotation_blocks_.empty()) break;
+    if (is_bound_straight_) break;
     if (alpha < 1e-14) break;
   }
   certified_alpha_ = alpha;
@@ -227,7 +231,7 @@ TrialEnergy IncrementalPotential::try_step(std::span<const double> direction, do
   set_trial(direction, alpha);
   TrialEnergy trial;
   // Without rotations a smaller step lies on the certified path; with them it has a path of its own.
-  if (active_set_ && !rotation_blocks_.empty() && alpha != certified_alpha_ &&
+  if (active_set_ && !is_bound_straight_ && alpha != certified_alpha_ &&
       active_set_->max_step(x_, x_trial_) < 1.0)
     return trial;
   const EnergyDifference fixed = assembler_.static_energy_difference(x_trial_);

@@ -96,6 +96,8 @@ class IncrementalPotential final : public Objective {
   std::vector<Vec3> block_positions_;
   double progress_ = 1.0, trial_progress_ = 1.0;
   double certified_alpha_ = 0.0;
+  KinematicMap::Way trial_way_ = KinematicMap::Way::Straight;
+  bool is_bound_straight_ = true;  ///< the whole way that the last bound_step() has looked at
 };
 
 }  // namespace stark

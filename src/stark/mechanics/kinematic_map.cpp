@@ -13,8 +13,12 @@ bool is_centre(const Site& site) { return site.local == Vec3{}; }
 
 }  // namespace
 
-KinematicMap::KinematicMap(DofLayout layout, std::vector<Site> sites, EmbeddedPoints embedded)
-    : layout_(std::move(layout)), sites_(std::move(sites)), embedded_(std::move(embedded)) {
+KinematicMap::KinematicMap(DofLayout layout, std::vector<Site> sites, EmbeddedPoints embedded,
+                           std::vector<TurningRange> turning)
+    : layout_(std::move(layout)),
+      sites_(std::move(sites)),
+      embedded_(std::move(embedded)),
+      turning_(std::move(turning)) {
   for (const int32_t p : embedded_.points) support_block_.push_back(layout_.point_block[p]);
   for (int32_t p = 0; p < static_cast<int32_t>(std::min(layout_.point_block.size(), sites_.size())); ++p)
     if (is_embedded(p)) followers_.push_back(p);
@@ -153,8 +157,8 @@ void KinematicMap::append_blocks(int32_t i, std::vector<int32_t>& out_blocks) co
   }
 }
 
-void KinematicMap::retract(const Configuration& configuration, std::span<const double> direction,
-                           double alpha, Configuration& out) const {
+KinematicMap::Way KinematicMap::retract(const Configuration& configuration, std::span<const double> direction,
+                                        double alpha, Way way, Configuration& out) const {
   const auto increment = [&](int32_t block) {
     return Vec3{direction[3 * block], direction[3 * block + 1], direction[3 * block + 2]} * alpha;
   };
@@ -162,13 +166,29 @@ void KinematicMap::retract(const Configuration& configuration, std::span<const d
   for (size_t p = 0; p < out.point_position.size(); ++p)
     if (const int32_t block = layout_.point_block[p]; block != kNoBlock)
       out.point_position[p] += increment(block);
-  follow(out.point_position);
   for (size_t b = 0; b < out.body_position.size(); ++b) {
     if (const int32_t block = layout_.body_block[b]; block != kNoBlock)
       out.body_position[b] += increment(block);
     if (const int32_t block = layout_.rotation_block[b]; block != kNoBlock)
       out.body_rotation[b] = exp_rotation(increment(block)) * configuration.body_rotation[b];
   }
+  const Way taken = way == Way::Turning ? turn(configuration, direction, alpha, out) : Way::Straight;
+  follow(out.point_position);
+  return taken;
+}
+
+KinematicMap::Way KinematicMap::turn(const Configuration& from, std::span<const double> direction,
+                                     double alpha, Configuration& out) const {
+  Way way = Way::Straight;
+  for (const TurningRange& range : turning_) {
+    const auto part = [&](auto& values) { return std::span(values).subspan(range.first, range.count); };
+    const bool turns = range.are_nodes ? complete_turn(part(from.body_position), part(layout_.body_block),
+                                                       direction, alpha, part(out.body_position))
+                                       : complete_turn(part(from.point_position), part(layout_.point_block),
+                                                       direction, alpha, part(out.point_position));
+    if (turns) way = Way::Turning;
+  }
+  return way;
 }
 
 }  // namespace stark

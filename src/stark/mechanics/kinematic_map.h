@@ -13,6 +13,7 @@
 
 #include <stark/mechanics/dof_layout.h>
 #include <stark/mechanics/site.h>
+#include <stark/mechanics/whole_turn.h>
 
 namespace stark {
 
@@ -68,8 +69,10 @@ struct SiteJacobian {
 class KinematicMap {
  public:
   KinematicMap() = default;
-  /// Sites come in the order of the points, then others: site i is where point i is.
-  KinematicMap(DofLayout layout, std::vector<Site> sites, EmbeddedPoints embedded = {});
+  /// Sites come in the order of the points, then others: site i is where point i is. `turning`: what
+  /// retract() turns as a whole.
+  KinematicMap(DofLayout layout, std::vector<Site> sites, EmbeddedPoints embedded = {},
+               std::vector<TurningRange> turning = {});
 
   int32_t site_count() const { return static_cast<int32_t>(sites_.size()); }
   const DofLayout& layout() const { return layout_; }
@@ -102,9 +105,12 @@ class KinematicMap {
   /// Blocks that move the site, appended to out_blocks.
   void append_blocks(int32_t site, std::vector<int32_t>& out_blocks) const;
 
-  /// out = configuration retracted by alpha * direction, direction being [block_count][3].
-  void retract(const Configuration& configuration, std::span<const double> direction, double alpha,
-               Configuration& out) const;
+  /// Whether points go straight, or bodies of points turn as a whole.
+  enum class Way : uint8_t { Straight, Turning };
+  /// out = configuration retracted by alpha * direction, direction being [block_count][3]. Returns Straight
+  /// where no body of points has turned, bodies with rotations aside.
+  Way retract(const Configuration& configuration, std::span<const double> direction, double alpha, Way way,
+              Configuration& out) const;
 
  private:
   /// Sites [begin, end) of one kind: consecutive points from `index` on, or sites of the body `index`.
@@ -114,6 +120,8 @@ class KinematicMap {
   };
 
   void find_runs();
+  Way turn(const Configuration& from, std::span<const double> direction, double alpha,
+           Configuration& out) const;
 
   DofLayout layout_;
   std::vector<Site> sites_;
@@ -123,6 +131,7 @@ class KinematicMap {
   std::vector<int32_t> support_block_;  ///< by entry of embedded_.points
   std::vector<int32_t> followers_;      ///< points that are embedded sites
   std::vector<bool> prescribed_;
+  std::vector<TurningRange> turning_;
 };
 
 }  // namespace stark

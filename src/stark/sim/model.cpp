@@ -33,7 +33,7 @@ void Model::Builder::build() {
   add_joint_sites();
   add_attachment_sites();
   add_levers();
-  model.map_ = KinematicMap(std::move(layout), std::move(sites), std::move(embedded));
+  model.map_ = KinematicMap(std::move(layout), std::move(sites), std::move(embedded), turning_ranges());
   for (int32_t i = 0; i < scene.body_count(); ++i)
     scene.visit(BodyId{i}, [&](const auto& body) { add_energies(BodyId{i}, body); });
   add_layer_energies();
@@ -67,6 +67,21 @@ PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,
   batch.batch.resize(stencils);
   set_values(batch.batch, values);
   return batch.batch;
+}
+
+std::vector<TurningRange> Model::Builder::turning_ranges() const {
+  std::vector<TurningRange> ranges;
+  for (int32_t i = 0; i < scene.body_count(); ++i) {
+    const ModelBody& body = model.bodies_[i];
+    if (has_nodes(body.kind)) ranges.push_back({true, body.rigid_index, body.site_count});
+    if (!has_points(body.kind)) continue;
+    const SolidMesh* solid = scene.solid_mesh(BodyId{i});
+    // A sheet that is held somewhere swings as a chain does.
+    if (!solid && !body.pins.empty()) continue;
+    const size_t count = solid && solid->is_embedded() ? solid->first_embedded() : body.site_count;
+    ranges.push_back({false, body.first_site, static_cast<int32_t>(count)});
+  }
+  return ranges;
 }
 
 void Model::Builder::set_block_scales() {

@@ -149,6 +149,8 @@ struct Model::Builder {
   /// `owner`: name of the body or energy.
   PotentialBatch& add_batch(const PotentialDefinition& definition, std::span<const int32_t> stencils,
                             const std::string& owner, const ParameterValues& values = {});
+  /// Bodies that turn as a whole in a Newton step.
+  std::vector<TurningRange> turning_ranges() const;
   void set_block_scales();
   void set_initial_state();
   void set_initial_sites();

@@ -1,0 +1,25 @@
+// Bodies of points turn as a whole: what a straight motion of their points lacks of the turn that is in it
+// (step phase 4i). A Newton direction knows a turn to first order only. Taken straight it stretches a body by
+// half the square of the angle, which stiff bodies allow in tiny steps alone. [theory eq. 22c]
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <stark/base/math.h>
+
+namespace stark {
+
+/// Points that turn together, or nodes of a rod, by their numbers in the configuration.
+struct TurningRange {
+  bool are_nodes = false;
+  int32_t first = 0, count = 0;
+};
+
+/// Turns the points of one body, which alpha * direction has carried straight from `from` to `to` [m]: about
+/// their centre, or about that of the prescribed ones among them. `blocks` by point, kNoBlock for those that
+/// are prescribed; `direction` is [block_count][3]. Returns false where the angle is too small to matter.
+bool complete_turn(std::span<const Vec3> from, std::span<const int32_t> blocks,
+                   std::span<const double> direction, double alpha, std::span<Vec3> to);
+
+}  // namespace stark
