@@ -1,4 +1,4 @@
-"""Deformable bodies that turn: few Newton iterations however stiff they are, and the motion of rigid bodies."""
+"""Deformable bodies that turn: few Newton iterations however stiff, and the motion of rigid bodies."""
 
 from __future__ import annotations
 
