@@ -28,11 +28,11 @@ struct Cloud {
       for (int a = 0; a < 3; ++a) direction[3 * i + a] = u[a];
     }
   }
-  bool complete(double alpha) {
+  bool complete(double alpha, bool is_held = false) {
     to = x;
     for (size_t i = 0; i < x.size(); ++i)
       to[i] += Vec3{direction[3 * i], direction[3 * i + 1], direction[3 * i + 2]} * alpha;
-    return complete_turn(x, blocks, direction, alpha, to);
+    return complete_turn(x, blocks, direction, alpha, is_held, to);
   }
   double largest_stretch() const {
     double largest = 0.0;
@@ -108,6 +108,22 @@ TEST_CASE("pins stay where they are, and are what the rest turns about") {
   REQUIRE(cloud.complete(1.0));
   CHECK(cloud.to[3] == pin);
   CHECK(cloud.largest_stretch() < 1e-8);
+}
+
+TEST_CASE("what is held turns about the axis that stays where it is") {
+  Cloud cloud(random_places(10, 8));
+  const Vec3 hinge{2.0, 0.5, 0.0}, spin{0.0, 0.0, 0.6};
+  cloud.move({}, spin, hinge);
+  REQUIRE(cloud.complete(1.0, true));
+  const Mat3 turn = exp_rotation(spin);
+  for (size_t i = 0; i < cloud.x.size(); ++i)
+    CHECK(max_abs(cloud.to[i] - (hinge + turn * (cloud.x[i] - hinge))) < 1e-8);
+  REQUIRE(cloud.complete(0.5, true));
+  CHECK(max_abs(cloud.to[0] - (hinge + exp_rotation(spin * 0.5) * (cloud.x[0] - hinge))) < 1e-8);
+  // A motion along the axis is none of the turn.
+  cloud.move({0.0, 0.0, 0.3}, spin, hinge);
+  REQUIRE(cloud.complete(1.0, true));
+  CHECK(max_abs(cloud.to[0] - (hinge + turn * (cloud.x[0] - hinge) + Vec3{0.0, 0.0, 0.3})) < 1e-8);
 }
 
 TEST_CASE("points on a line turn about all but that line") {

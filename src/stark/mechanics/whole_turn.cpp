@@ -60,15 +60,17 @@ Vec3 turn_in(std::span<const Vec3> x, std::span<const int32_t> blocks, std::span
 }  // namespace
 
 bool complete_turn(std::span<const Vec3> from, std::span<const int32_t> blocks,
-                   std::span<const double> direction, double alpha, std::span<Vec3> to) {
+                   std::span<const double> direction, double alpha, bool is_held, std::span<Vec3> to) {
   const Centre centre = centre_of(from, blocks, direction);
   Vec3 turn = turn_in(from, blocks, direction, centre) * alpha;
   const double angle = norm(turn);
   if (!(angle > kStraight)) return false;
+  Vec3 pivot = centre.place;
+  if (is_held) pivot += cross(turn, centre.motion) * (alpha / (angle * angle));
   turn *= std::min(1.0, kLargestTurn / angle);
   const Mat3 beyond = exp_rotation(turn) - Mat3::identity() - skew(turn);
   for (size_t i = 0; i < from.size(); ++i)
-    if (blocks[i] != kNoBlock) to[i] += beyond * (from[i] - centre.place);
+    if (blocks[i] != kNoBlock) to[i] += beyond * (from[i] - pivot);
   return true;
 }
 

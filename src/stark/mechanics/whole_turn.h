@@ -13,13 +13,16 @@ namespace stark {
 /// Points that turn together, or nodes of a rod, by their numbers in the configuration.
 struct TurningRange {
   bool are_nodes = false;
+  bool is_held = false;  ///< by joints or attachments
   int32_t first = 0, count = 0;
 };
 
 /// Turns the points of one body, which alpha * direction has carried straight from `from` to `to` [m]: about
-/// their centre, or about that of the prescribed ones among them. `blocks` by point, kNoBlock for those that
-/// are prescribed; `direction` is [block_count][3]. Returns false where the angle is too small to matter.
+/// the centre of the prescribed ones among them; without any, about the axis that stays where it is if the
+/// body is held, so that a pivot does, and else about the centre, which goes straight. `blocks` by point,
+/// kNoBlock for those that are prescribed; `direction` is [block_count][3]. Returns false where the angle is
+/// too small to matter.
 bool complete_turn(std::span<const Vec3> from, std::span<const int32_t> blocks,
-                   std::span<const double> direction, double alpha, std::span<Vec3> to);
+                   std::span<const double> direction, double alpha, bool is_held, std::span<Vec3> to);
 
 }  // namespace stark

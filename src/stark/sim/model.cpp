@@ -69,17 +69,35 @@ PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,
   return batch.batch;
 }
 
+std::vector<bool> Model::Builder::held_bodies() const {
+  std::vector<bool> held(scene.body_count(), false);
+  const auto hold = [&](BodyId body) {
+    if (body.index >= 0 && body.index < scene.body_count()) held[body.index] = true;
+  };
+  for (const JointDescription& joint : scene.joints())
+    for (const FrameDescription* frame : {&joint.a, &joint.b})
+      if (frame->carrier != FrameDescription::Carrier::World) hold(frame->body);
+  for (const AttachmentDescription& attachment : scene.attachments()) {
+    hold(attachment.a.body);
+    for (const PointSet& points : attachment.b)
+      if (points.kind != PointKind::WorldPoints) hold(points.body);
+    if (!attachment.patches.empty()) hold(attachment.patch_body);
+  }
+  return held;
+}
+
 std::vector<TurningRange> Model::Builder::turning_ranges() const {
+  const std::vector<bool> held = held_bodies();
   std::vector<TurningRange> ranges;
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     const ModelBody& body = model.bodies_[i];
-    if (has_nodes(body.kind)) ranges.push_back({true, body.rigid_index, body.site_count});
+    if (has_nodes(body.kind)) ranges.push_back({true, held[i], body.rigid_index, body.site_count});
     if (!has_points(body.kind)) continue;
     const SolidMesh* solid = scene.solid_mesh(BodyId{i});
     // A sheet that is held somewhere swings as a chain does.
-    if (!solid && !body.pins.empty()) continue;
+    if (!solid && (held[i] || !body.pins.empty())) continue;
     const size_t count = solid && solid->is_embedded() ? solid->first_embedded() : body.site_count;
-    ranges.push_back({false, body.first_site, static_cast<int32_t>(count)});
+    ranges.push_back({false, held[i], body.first_site, static_cast<int32_t>(count)});
   }
   return ranges;
 }

@@ -151,6 +151,8 @@ struct Model::Builder {
                             const std::string& owner, const ParameterValues& values = {});
   /// Bodies that turn as a whole in a Newton step.
   std::vector<TurningRange> turning_ranges() const;
+  /// By body: whether joints or attachments hold it.
+  std::vector<bool> held_bodies() const;
   void set_block_scales();
   void set_initial_state();
   void set_initial_sites();

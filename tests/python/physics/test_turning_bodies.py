@@ -1,4 +1,4 @@
-"""Deformable bodies that turn: few Newton iterations however stiff they are, and the motion of rigid bodies."""
+"""Deformable bodies that turn: few Newton iterations however stiff, and the motion of rigid bodies."""
 
 from __future__ import annotations
 
@@ -98,3 +98,14 @@ def test_a_blade_that_spins_into_a_sheet_goes_through_nothing() -> None:
         contacts += report.contact_count
         assert not ipctk.has_intersections(mesh, np.array(sim._core.surface()["positions"]))
     assert contacts > 20
+
+
+def test_a_solid_on_a_hinge_turns_about_it() -> None:
+    scene = stark.Scene()
+    mesh = stark.mesh.tet_box((0.4, 0.03, 0.02), cells=(16, 2, 1))
+    arm = scene.add_solid(mesh, STEEL)
+    hub = scene.add_box(0.02, mass=0.1, position=(-0.22, 0.0, 0.0))
+    scene.attach(arm.vertices[np.flatnonzero(np.asarray(mesh.vertices)[:, 0] < -0.199)], hub)
+    scene.add_hinge(None, hub, anchor=hub.position, axis=(0.0, 1.0, 0.0))
+    counts = iterations(scene, "bdf2", gravity=(0.0, 0.0, -9.81))
+    assert np.mean(counts) < 6.0  # straight ways took 14
