@@ -84,6 +84,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         **dict.fromkeys(
             ("energy", "energies_by_name", "kinetic_energy"), "report.energy of what sim.step() returns"
         ),
+        **dict.fromkeys(("report", "last_report"), "what sim.step() and sim.run_until() return"),
         **dict.fromkeys(("positions", "velocities", "vertices"), "sim['cloth'].positions, of each body"),
         "body": "sim['name']",
         **dict.fromkeys(

@@ -51,3 +51,11 @@ def test_friction_of_a_scene_is_assigned_by_pair() -> None:
         AttributeError, match=r"friction can be read, not assigned: write scene.friction\[a, b\]"
     ):
         stark.Scene().friction = 0.5  # type: ignore[misc]
+
+
+def test_the_last_report_is_what_a_step_returns() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    sim = stark.Simulation(scene)
+    with pytest.raises(AttributeError, match=r"no attribute 'report': write what sim.step\(\)"):
+        sim.report  # noqa: B018
