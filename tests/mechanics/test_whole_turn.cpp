@@ -16,9 +16,9 @@ namespace {
 struct Cloud {
   std::vector<Vec3> x, to;
   std::vector<int32_t> blocks;
-  std::vector<double> direction;
+  std::vector<double> direction, masses;
 
-  explicit Cloud(std::vector<Vec3> places) : x(std::move(places)) {
+  explicit Cloud(std::vector<Vec3> places) : x(std::move(places)), masses(x.size(), 2.0) {
     for (size_t i = 0; i < x.size(); ++i) blocks.push_back(static_cast<int32_t>(i));
     direction.assign(3 * x.size(), 0.0);
   }
@@ -32,7 +32,7 @@ struct Cloud {
     to = x;
     for (size_t i = 0; i < x.size(); ++i)
       to[i] += Vec3{direction[3 * i], direction[3 * i + 1], direction[3 * i + 2]} * alpha;
-    return complete_turn(x, blocks, direction, alpha, is_held, to);
+    return complete_turn({.is_held = is_held, .masses = masses}, x, blocks, direction, alpha, to);
   }
   double largest_stretch() const {
     double largest = 0.0;
@@ -124,6 +124,13 @@ TEST_CASE("what is held turns about the axis that stays where it is") {
   cloud.move({0.0, 0.0, 0.3}, spin, hinge);
   REQUIRE(cloud.complete(1.0, true));
   CHECK(max_abs(cloud.to[0] - (hinge + turn * (cloud.x[0] - hinge) + Vec3{0.0, 0.0, 0.3})) < 1e-8);
+}
+
+TEST_CASE("a point of next to no mass turns nothing, wherever it goes") {
+  Cloud cloud(random_places(10, 9));
+  cloud.masses[4] = 1e-9;
+  cloud.direction[12] = 0.4;
+  CHECK_FALSE(cloud.complete(1.0));
 }
 
 TEST_CASE("points on a line turn about all but that line") {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <stark/base/math.h>
 
@@ -14,15 +15,17 @@ namespace stark {
 struct TurningRange {
   bool are_nodes = false;
   bool is_held = false;  ///< by joints or attachments
-  int32_t first = 0, count = 0;
+  int32_t first = 0;
+  std::vector<double> masses{};  ///< of each of them [kg]
 };
 
 /// Turns the points of one body, which alpha * direction has carried straight from `from` to `to` [m]: about
 /// the centre of the prescribed ones among them; without any, about the axis that stays where it is if the
 /// body is held, so that a pivot does, and else about the centre, which goes straight. `blocks` by point,
-/// kNoBlock for those that are prescribed; `direction` is [block_count][3]. Returns false where the angle is
-/// too small to matter.
-bool complete_turn(std::span<const Vec3> from, std::span<const int32_t> blocks,
-                   std::span<const double> direction, double alpha, bool is_held, std::span<Vec3> to);
+/// kNoBlock for those that are prescribed; `direction` is [block_count][3]. Masses weigh the points, some of
+/// which may be free to go anywhere, as in cells that are all but empty. Returns false where the angle is too
+/// small to matter.
+bool complete_turn(const TurningRange& range, std::span<const Vec3> from, std::span<const int32_t> blocks,
+                   std::span<const double> direction, double alpha, std::span<Vec3> to);
 
 }  // namespace stark

@@ -91,13 +91,20 @@ std::vector<TurningRange> Model::Builder::turning_ranges() const {
   std::vector<TurningRange> ranges;
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     const ModelBody& body = model.bodies_[i];
-    if (has_nodes(body.kind)) ranges.push_back({true, held[i], body.rigid_index, body.site_count});
+    if (has_nodes(body.kind)) {
+      std::vector<double> masses;
+      for (int32_t k = 0; k < body.site_count; ++k)
+        masses.push_back(model.rigid_masses_[body.rigid_index + k].mass);
+      ranges.push_back({true, held[i], body.rigid_index, std::move(masses)});
+    }
     if (!has_points(body.kind)) continue;
     const SolidMesh* solid = scene.solid_mesh(BodyId{i});
     // A sheet that is held somewhere swings as a chain does.
     if (!solid && (held[i] || !body.pins.empty())) continue;
-    const size_t count = solid && solid->is_embedded() ? solid->first_embedded() : body.site_count;
-    ranges.push_back({false, held[i], body.first_site, static_cast<int32_t>(count)});
+    const auto first = model.point_masses_.begin() + body.first_site;
+    const auto count =
+        solid && solid->is_embedded() ? static_cast<int32_t>(solid->first_embedded()) : body.site_count;
+    ranges.push_back({false, held[i], body.first_site, {first, first + count}});
   }
   return ranges;
 }
