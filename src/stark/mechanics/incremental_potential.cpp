@@ -211,17 +211,16 @@ double IncrementalPotential::bound_step(std::span<const double> direction, doubl
   double alpha = bound_rotation(direction, max_rotation, longest);
   certified_alpha_ = alpha;
   if (!active_set_) return alpha;
-  // Linear vertex paths are certified. Where bodies rotate, the pose at a smaller alpha is off the path to
-  // the larger one, so a shortened step is tested again until it is safe as a whole.
+  // Linear vertex paths are certified. Where bodies turn, the pose at a smaller alpha is off the path to the
+  // larger one, so a shortened step is tested again until it is safe as a whole.
   set_trial(direction, alpha);
   is_bound_straight_ = rotation_blocks_.empty() && trial_way_ == KinematicMap::Way::Straight;
   while (alpha > 0.0) {
-    set_trial(direction, alpha);
     const double fraction = active_set_->max_step(x_, x_trial_);
     if (fraction >= 1.0) break;
     alpha *= kSafeFraction * fraction;
-    if (is_bound_straight_) break;
-    if (alpha < 1e-14) break;
+    if (is_bound_straight_ || alpha < 1e-14) break;
+    set_trial(direction, alpha);
   }
   certified_alpha_ = alpha;
   return alpha;
@@ -230,7 +229,7 @@ double IncrementalPotential::bound_step(std::span<const double> direction, doubl
 TrialEnergy IncrementalPotential::try_step(std::span<const double> direction, double alpha) {
   set_trial(direction, alpha);
   TrialEnergy trial;
-  // Without rotations a smaller step lies on the certified path; with them it has a path of its own.
+  // Where nothing turns a smaller step lies on the certified path; else it has a path of its own.
   if (active_set_ && !is_bound_straight_ && alpha != certified_alpha_ &&
       active_set_->max_step(x_, x_trial_) < 1.0)
     return trial;

@@ -71,18 +71,12 @@ PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,
 
 std::vector<bool> Model::Builder::held_bodies() const {
   std::vector<bool> held(scene.body_count(), false);
-  const auto hold = [&](BodyId body) {
-    if (body.index >= 0 && body.index < scene.body_count()) held[body.index] = true;
+  const auto hold = [&](const auto& all) {
+    for (const auto& one : all)
+      for (const int32_t body : connected_bodies(one)) held[body] = true;
   };
-  for (const JointDescription& joint : scene.joints())
-    for (const FrameDescription* frame : {&joint.a, &joint.b})
-      if (frame->carrier != FrameDescription::Carrier::World) hold(frame->body);
-  for (const AttachmentDescription& attachment : scene.attachments()) {
-    hold(attachment.a.body);
-    for (const PointSet& points : attachment.b)
-      if (points.kind != PointKind::WorldPoints) hold(points.body);
-    if (!attachment.patches.empty()) hold(attachment.patch_body);
-  }
+  hold(scene.joints());
+  hold(scene.attachments());
   return held;
 }
 
