@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 # `import stark` shall take 0.15 s on a quiet machine with files in the page cache. NumPy takes 0.085 s of it,
-# which leaves Stark 0.75 of NumPy's time; 0.44 was measured. The best of several times of one machine are
+# which leaves Stark 0.75 of NumPy's time; 0.43 was measured. The best of several times of one machine are
 # compared, so that a slow or busy one does not fail.
 OWN_SHARE_OF_NUMPY = 0.75
 
@@ -88,3 +88,9 @@ def test_import_is_fast_and_loads_nothing_optional(tmp_path: Path) -> None:
         "difflib",
     }
     assert optional.isdisjoint(runs[0][2])
+
+
+@pytest.mark.parametrize("package", ["stark.formulas", "stark.symbolic", "stark.recording", "stark.render"])
+def test_import_leaves_packages_for_their_first_use(package: str) -> None:
+    code = f"import sys, stark; sys.exit({package!r} in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)

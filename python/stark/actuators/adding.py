@@ -7,10 +7,10 @@ from typing import Any
 
 from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula, built_in
-from stark.arguments import given_flag, given_name, refuse_unknown_values
+from stark.arguments import given_flag, given_name, real_number, refuse_unknown_values
 from stark.courses import set_courses, starts
 from stark.handle import SceneLink
-from stark.joints.handle import Actuator, Joint, number_of
+from stark.joints.handle import Actuator, Joint
 
 
 def add_actuator(
@@ -32,7 +32,9 @@ def add_actuator(
             "name": given_name(name),
             "definition": formula.core,
             "on": [(joint._index, coordinate) for joint, coordinate in targets],
-            "values": {key: number_of(owner, key, "", value) for key, value in starts(values, owner).items()},
+            "values": {
+                key: real_number(value, f"{owner}: {key}") for key, value in starts(values, owner).items()
+            },
             "enabled": given_flag(enabled, f"{owner}: enabled"),
         }
     )

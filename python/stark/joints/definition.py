@@ -39,18 +39,6 @@ _ATTRIBUTES = frozenset({"name", "kind", "formula", "coordinates", "rates", "res
     "hold_here",
 }
 
-#: What to write instead of names that users of other simulators try.
-ELSEWHERE = {
-    **dict.fromkeys(("position", "q", "value"), "joint.coordinates"),
-    **dict.fromkeys(("velocity", "rate", "qd", "speed", "angular_velocity"), "joint.rates"),
-    **dict.fromkeys(("force", "torque", "wrench"), "joint.reaction, or the effort of an actuator"),
-    **dict.fromkeys(("target", "motor", "drive"), "motor = joint.add_motor(...), before the simulation"),
-    **dict.fromkeys(("limits", "limit", "lower", "upper"), "joint.add_limit(lower, upper)"),
-    "friction": "joint.add_friction(cap)",
-    **dict.fromkeys(("damping", "add_damping", "add_damper"), "joint.add_spring(0.0, damping=...)"),
-    **dict.fromkeys(("add_torque", "add_force"), "joint.add_effort(...)"),
-}
-
 
 @dataclass(frozen=True)
 class Held:

@@ -5,19 +5,23 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.actuators.definition import ActuatorFormula
 from stark.arguments import real_number
 from stark.courses import TimeValue, at_start, set_courses
 from stark.errors import StarkWarning
 from stark.handle import Handle, SceneLink, SimulationLink
-from stark.joints.definition import ELSEWHERE, JointFormula
+from stark.joints.other_names import ELSEWHERE
 from stark.readings import named_readings, reading
+
+if TYPE_CHECKING:
+    # Formulas are imported when they are needed: half of the time that `import stark` would take.
+    from stark.actuators.definition import ActuatorFormula
+    from stark.joints.definition import JointFormula
 
 Floats = NDArray[np.float64]
 
@@ -440,8 +444,7 @@ class Actuator(Handle):
         if name == "enabled":
             object.__setattr__(self, name, value)
         elif name in self._units:
-            owner = f"actuator '{self.name}'"
-            number = number_of(owner, name, self._units[name], at_start(value, f"{owner}: {name}"))
+            number = real_number(at_start(value, f"{self._title}: {name}"), self._labelled(name))
             if not callable(value) or self._simulation() is None:
                 self._core().set_actuator_value(self._index, name, number)
             set_courses("actuator", self, {name: value})
@@ -458,11 +461,14 @@ class Actuator(Handle):
     # --- details ---
 
     def _follow(self, simulation: SimulationLink, name: str, value: Any) -> None:
-        number = number_of(f"actuator '{self.name}'", name, self._units[name], value)
+        number = real_number(value, self._labelled(name))
         simulation._core.set_actuator_value(self._index, name, number)
 
     def _read(self, name: str) -> float:
         return float(self._core().actuator_value(self._index, name))
+
+    def _labelled(self, name: str) -> str:
+        return f"{self._title}: {name}" + (f" [{self._units[name]}]" if self._units[name] else "")
 
     def _known(self) -> str:
         return f"its values are {', '.join(self._units)}" if self._units else "it has no values"
@@ -471,8 +477,7 @@ class Actuator(Handle):
         _, coordinate, mine = self._on[0]
         if mine != unit:
             raise InvalidArgument(
-                f"actuator '{self.name}' acts along '{coordinate}' [{mine}]: has no {what}; use {other} or "
-                f"effort"
+                f"{self._title} acts along '{coordinate}' [{mine}]: has no {what}; use {other} or effort"
             )
         return self.effort
 
@@ -493,8 +498,3 @@ class Actuator(Handle):
         on = tuple((joint._bound_to(simulation), name, unit) for joint, name, unit in self._on)
         handle.__dict__.update(_on=on)
         return handle
-
-
-def number_of(owner: str, name: str, unit: str, value: Any) -> float:
-    """A real number, or InvalidArgument that names it; its range is for the core to check."""
-    return real_number(value, f"{owner}: {name} [{unit}]" if unit else f"{owner}: {name}")
