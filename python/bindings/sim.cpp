@@ -203,6 +203,18 @@ void bind_energies_and_joints(nb::class_<Simulation>& c) {
             return nb::make_tuple(to_numpy(std::move(plane.totals)), to_numpy(std::move(plane.slopes)));
           },
           "energy"_a, "Totals of an energy, and its derivatives by them.")
+      .def("mean_stresses", with_arrays<&Simulation::mean_stresses>, "body"_a,
+           "Cauchy stress of each element (m, 3, 3) [Pa], of cloth times the thickness [N/m].")
+      .def(
+          "internal_variables",
+          [](Simulation& s, BodyId body) {
+            nb::dict found;
+            for (InternalVariable& variable : s.internal_variables(body))
+              found[variable.name.c_str()] =
+                  nb::make_tuple(variable.points, variable.width, to_numpy(std::move(variable.values)));
+            return found;
+          },
+          "body"_a, "By name: quadrature points of an element, numbers of a value, all numbers.")
       .def("pin_forces", with_arrays<&Simulation::pin_forces>, "body"_a,
            "Forces that hold the pins in the last step (k, 3) [N].")
       .def("clamp_torques", with_arrays<&Simulation::clamp_torques>, "body"_a,

@@ -1,4 +1,4 @@
-"""Fixed tendons of MJCF models, and what actuators act on: one coordinate, where all their joints follow it."""
+"""Fixed tendons of MJCF models, and what actuators act on: one coordinate, where all joints follow it."""
 
 from __future__ import annotations
 
