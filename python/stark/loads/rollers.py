@@ -68,7 +68,7 @@ def stiffness_of(points: Points, owner: str) -> float:
 
 
 def _modulus(material: Any) -> Any:
-    """Young's modulus [Pa], 9 K G/(3 K + G) of laws of a bulk and a shear modulus; None where there is none."""
+    """Young's modulus [Pa], 9 K G/(3 K + G) also of a bulk and a shear modulus; None where there is none."""
     if all(hasattr(material, name) for name in ("shear_modulus", "bulk_modulus")):
         G, K = np.asarray(material.shear_modulus), np.asarray(material.bulk_modulus)
         return 9.0 * K * G / (3.0 * K + G)
