@@ -20,12 +20,15 @@ Layout, beside the frames::
                                there are any: of what holds what it finds, where side a is on the carrier of
                                side b: position [m], of fixed joints then rows of the rotation;
                                chain (k, 32) uint8:
-                                digests, see stark.recording.chain. With bdf2: velocities_0000 and lags_0000
+                                digests, see stark.recording.chain. With implicit_euler velocities_0000
+                                (k, n, 3) [m/s] of bodies of points and rods without pins. With bdf2:
+                                velocities_0000 and lags_0000
                                 (k, n, 3) [m/s], of rigid bodies (k, 3); spins_0000 (k, 3, 3) [kg m^2/s] of
                                 rigid bodies, (k, n, 3, 3) of rods: increments of the angular momentum by all
                                 but contact, by contact, lags
 
-A state takes 24 bytes a vertex, with bdf2 72; a body that rests through a chunk is stored once.
+A state takes 24 bytes a vertex, 48 with velocities, 72 with bdf2; a body that rests through a chunk is stored
+once.
 """
 
 from __future__ import annotations
@@ -249,10 +252,12 @@ class StateWriter:
 
 
 def _state_of(sim: Any, *, with_history: bool = True) -> dict[str, np.ndarray]:
-    """A state as it is recorded; ``with_history``: with what bdf2 remembers."""
+    """A state as it is recorded; ``with_history``: with what the integrator remembers."""
     state: dict[str, Any] = {"times": np.float64(sim.time)}
     if with_history and sim.settings["time.integrator"] == "bdf2":
         state |= _history_of(sim)
+    if with_history and sim.settings["time.integrator"] == "implicit_euler":
+        state |= _velocities_of(sim)
     turning = sim._core.state.arrays()["body_angular_velocity"]
     for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
         state[f"positions_{i:04d}"] = np.asarray(body.positions, dtype=np.float64)
@@ -283,6 +288,15 @@ def _state_of(sim: Any, *, with_history: bool = True) -> dict[str, np.ndarray]:
     return state
 
 
+def _velocities_of(sim: Any) -> dict[str, np.ndarray]:
+    """Of the bodies that may turn as a whole: there they are no differences of places."""
+    return {
+        f"velocities_{i:04d}": np.array(body.velocities, dtype=np.float64)
+        for i, body in enumerate(sim.bodies)
+        if not has_pose(body) and len(body.pins) == 0
+    }
+
+
 def _history_of(sim: Any) -> dict[str, np.ndarray]:
     """What the next step of bdf2 knows of the ones before, by body."""
     arrays, found = sim._core.state.arrays(), {}
@@ -300,7 +314,7 @@ def _history_of(sim: Any) -> dict[str, np.ndarray]:
 
 
 def _has_history(path: Path) -> bool:
-    """Whether the states of a chunk have what bdf2 remembers; yes where it cannot be read."""
+    """Whether the states of a chunk have what the integrator remembers; yes where it cannot be read."""
     try:
         names = read_arrays(path)
     except (OSError, DamageError):

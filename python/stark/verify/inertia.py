@@ -1,7 +1,8 @@
 """Kinetic and gravitational energy and momentum of the states, against what the solver reported.
 
-Velocities are differences of positions over the time step, which is what they are in implicit Euler steps;
-with bdf2 they are recorded, and must follow from positions and the step before (multistep.py). Angular
+Velocities are differences of positions over the time step, which is what they are in implicit Euler steps,
+but for bodies that turn as a whole: theirs are recorded (turning.py), and so are all with bdf2; they must
+follow from positions and the step before (multistep.py). Angular
 velocities are recorded, and must follow from the rotations (rotation.py). Masses come from mesh and density
 (recording/masses.py)."""
 
@@ -20,6 +21,7 @@ from .multistep import Motion, Step, kinds_of_step, leading_momentum
 from .multistep import impulse as impulse_of_step
 from .reading import Body, Run, State, number
 from .rotation import held_turn, impulse, momentum, velocity
+from .turning import wrong_velocity
 
 Floats = NDArray[np.float64]
 
@@ -28,8 +30,8 @@ _EPSILON = 2.0**-52
 _TURNING_ROUNDING = 1e6 * _EPSILON  # [rad] joints are up to 1e4 times as stiff as inertia
 
 
-#: What is compared of the velocities that bdf2 records.
-_OF_BDF2 = ("velocities", "lags")
+#: What is compared of velocities that are recorded.
+_OF_VELOCITIES = ("velocities", "lags")
 
 
 @dataclass
@@ -143,6 +145,10 @@ class InertiaCheck:
                     parts["velocities"] = max(parts.get("velocities", 0.0), motion.wrong_velocity(step))
                     lag = motion.wrong_lag(step) if is_free else 0.0
                     parts["lags"] = max(parts.get("lags", 0.0), lag)
+                elif (known := weights.velocities(start, end, i)) is not None:
+                    v = known[1]
+                    share = wrong_velocity(masses, (x0, x1), known, step.length)
+                    parts["velocities"] = max(parts.get("velocities", 0.0), share)
                 else:
                     v = (x1 - x0) / step.length
                 self._add_points(sums, masses, x1, v, step.duration)
@@ -228,13 +234,13 @@ class InertiaCheck:
             self._claim(
                 "reported_energies",
                 "kinetic and gravitational energy that the solver reports are those of the states",
-                ("kinetic", "gravity", *_OF_BDF2),
+                ("kinetic", "gravity", *_OF_VELOCITIES),
             ),
             self._claim(
                 "reported_momentum",
                 "linear and angular momentum that the solver reports are those of the states, and angular "
                 "momenta change as the rotations say",
-                ("momentum", "angular_momentum", "turning", *_OF_BDF2),
+                ("momentum", "angular_momentum", "turning", *_OF_VELOCITIES),
             ),
         ]
 
@@ -310,6 +316,11 @@ class _Weights:
         if len(moments) == 0 or len(rotations) < 2 or len(rates) < 2:
             return None
         return moments, (rotations[0], rates[0]), (rotations[1], rates[1])
+
+    def velocities(self, start: State, end: State, i: int) -> tuple[Floats, Floats] | None:
+        """Of points() at the start and at the end, those that are recorded."""
+        before, after = (s.velocities[i] if s.velocities else None for s in (start, end))
+        return None if before is None or after is None else (before, after)
 
     def motion(self, start: State, end: State, i: int, places: tuple[Floats, Floats]) -> Motion:
         """Of points(); those without mass rest."""

@@ -219,8 +219,10 @@ class Run:
             shapes |= {"poses": (4, 3), "angular_velocities": (3,)} if body.has_pose else {}
             shapes |= {"frames": (n, 3, 3), "angular_velocities": (n, 3)} if body.has_frames else {}
             if f"velocities_{i:04d}" in arrays:
+                shapes |= {"velocities": (3,) if body.has_pose else (n, 3)}
+            if f"lags_{i:04d}" in arrays:
                 of_points = (3,) if body.has_pose else (n, 3)
-                shapes |= {"velocities": of_points, "lags": of_points}
+                shapes |= {"lags": of_points}
                 shapes |= {"spins": (*of_points, 3)} if body.has_pose or body.has_frames else {}
             for name, shape in shapes.items():
                 rows = arrays.get(f"{name}_{i:04d}")

@@ -78,14 +78,14 @@ def free_rotation(rotations: Floats, moments: Floats, momenta: Floats, h: float)
     for _ in range(count):
         w, last = velocity(rotations, moments, momenta), math.inf
         for _ in range(_ITERATIONS):
-            middle = _turned(0.5 * k * w, rotations)
+            middle = turned(0.5 * k * w, rotations)
             change = velocity(middle, moments, momenta) - w
             w = w + change
             size = float(np.abs(change).max(initial=0.0))
             if size <= 1e-15 * np.abs(w).max(initial=0.0) or size >= last:  # from here on it is rounding
                 break
             last = size
-        rotations = _turned(k * w, rotations)
+        rotations = turned(k * w, rotations)
     return rotations
 
 
@@ -97,7 +97,7 @@ def velocity(rotations: Floats, moments: Floats, momenta: Floats) -> Floats:
     return np.einsum("nij,nj->ni", rotations, turned)
 
 
-def _turned(w: Floats, rotations: Floats) -> Floats:
+def turned(w: Floats, rotations: Floats) -> Floats:
     """exp([w]) R by Rodrigues' formula."""
     angle = np.linalg.norm(w, axis=1)[:, None, None]
     small = angle < 1e-4

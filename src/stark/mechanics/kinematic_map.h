@@ -69,6 +69,8 @@ struct SiteJacobian {
 class KinematicMap {
  public:
   KinematicMap() = default;
+  /// What turns as a whole in a Newton step.
+  const std::vector<TurningRange>& turning() const { return turning_; }
   /// Sites come in the order of the points, then others: site i is where point i is. `turning`: what
   /// retract() turns as a whole.
   KinematicMap(DofLayout layout, std::vector<Site> sites, EmbeddedPoints embedded = {},

@@ -161,6 +161,7 @@ void StepMotion::begin(double h, bool hits_stop) {
       r.joint_rate[q] += (s.joint_rate[q] - s.previous_joint_rate[q]) * stencil.history;
   }
   set_free_rotations(h);
+  set_frames(h);
   r.sites.resize(model_.map().site_count());
   model_.map().positions(r.place, r.sites);
   r.friction_sites = step_start_;

@@ -47,6 +47,7 @@ void StepMotion::commit(double h) {
       state_.script_remaining[b] =
           arrived(state_.script_remaining[b]) ? kRestsAtPose : state_.script_remaining[b] - h;
   }
+  commit_frames(h);
   if (has_memory) remember_increments(before, impulses, h);
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;

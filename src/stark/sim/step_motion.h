@@ -10,6 +10,7 @@
 
 #include <stark/contact/restitution.h>
 #include <stark/mechanics/time_integrator.h>
+#include <stark/mechanics/turning_frame.h>
 #include <stark/sim/step_part.h>
 
 namespace stark {
@@ -30,6 +31,7 @@ struct MotionReference {
   std::vector<Mat3> free_rotation;                  ///< where the inertia of free bodies brings them
   std::vector<Vec3> angular_momentum;               ///< theirs without what acts in the step [kg m^2/s]
   std::vector<double> joint_rate;                   ///< [m/s, rad/s]
+  std::vector<TurningFrame> frames;                 ///< of what turns as a whole and is free; or empty
   std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
   std::vector<Vec3> friction_sites;                 ///< what slip is measured from [m]
   double friction_duration = 0.0;                   ///< and over what time [s]
@@ -133,6 +135,10 @@ class StepMotion : private StepPart {
   /// Angular impulse of a step over its scale [N m] on each body with a free rotation; call it before
   /// anything of the step is taken over.
   std::vector<Vec3> torques();
+  /// What free bodies of points turn with in a step of length h, and where inertia brings their points.
+  void set_frames(double h);
+  /// Their velocities at the end of the step, from reference() and the state.
+  void commit_frames(double h);
   /// Takes over the rotation that body b has at the end of a step of length h.
   void commit_rotation(int32_t b, const Vec3& torque, double h);
   /// Impulses on the free blocks in the step that ends now [N s, N m s].

@@ -14,7 +14,7 @@ GUIDE = Path(__file__).resolve().parents[3] / "docs/actuators.md"
 
 def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
     blocks = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
-    assert len(blocks) == 6
+    assert len(blocks) == 7
     names: dict[str, object] = {}
     for block in blocks:
         exec(compile(block.replace("until=0.5", "until=0.05"), str(GUIDE), "exec"), names)

@@ -76,9 +76,9 @@ def test_all_that_is_dropped_of_an_mjcf_file_is_listed(tmp_path: Path) -> None:
     for name in ("m", "i", "d", "cy"):
         assert f"actuator '{name}': is not built: use robot.add_servos" in report
     for name in ("v", "g", "mu"):
-        assert f"actuator '{name}': acts on no joint: use robot.add_servos" in report
+        assert f"actuator '{name}': acts on no single joint: use robot.add_servos" in report
     for line in (
-        "1 tendons",
+        "tendon 't': has several coordinates, of 'x', 'y'",
         "equality 'c': ",
         "equality 'w': ",
         "equality 'lock': ",

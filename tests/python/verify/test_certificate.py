@@ -77,7 +77,7 @@ def test_masses_of_the_recording_are_those_of_the_solver(tmp_path: Path) -> None
     check = InertiaCheck(run)
     for k in range(3):
         check.add(run.state(k), run.state(k + 1), run.rows[k])
-    assert set(check.worst) == {"kinetic", "gravity", "momentum", "angular_momentum", "turning"}
+    assert set(check.worst) == {"kinetic", "gravity", "momentum", "angular_momentum", "turning", "velocities"}
     for name, (share, where) in check.worst.items():
         assert share < 1.0, (name, where)
 
@@ -115,13 +115,16 @@ def test_the_certificate_can_be_printed_as_json(sheet: Path, capsys: pytest.Capt
         assert claim.keys() >= {"name", "statement", "status", "basis", "worst", "tolerance", "unit", "where"}
 
 
-def test_states_take_24_bytes_a_vertex(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("pins", "expected"), [([0], 24), ([], 48)])
+def test_states_take_24_bytes_a_vertex_those_of_free_sheets_48(
+    tmp_path: Path, pins: list[int], expected: int
+) -> None:
     """The cost that docs/verify.md states."""
     scene = stark.Scene()
-    scene.add_cloth(stark.mesh.grid(1.0, 1.0, cells=40), stark.materials.cotton)
+    scene.add_cloth(stark.mesh.grid(1.0, 1.0, cells=40), stark.materials.cotton, pins=pins)
     folder = record(tmp_path / "run", scene, 10, time_step=0.01)
     size = (folder / "states/chunk_000000.npz").stat().st_size
-    assert size == pytest.approx(24 * 41 * 41 * 11, rel=0.01)
+    assert size == pytest.approx(expected * 41 * 41 * 11, rel=0.01)
 
 
 def test_the_guide_names_every_claim(sheet: Path) -> None:
