@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.bodies import Cloth, Solid
+from stark.bodies import Cloth, Rod, Solid
 from stark.formulas import Point, Vec3, energy, parameter
+from stark.formulas.law_checks import Law
+from stark.formulas.material_law import MaterialLaw
 from stark.selections import Points
 from stark.symbolic import Scalar, dot
 
@@ -46,7 +48,7 @@ def unit_normal(normal: str | ArrayLike, owner: str) -> Floats:
 
 
 def check_points(points: Any, owner: str) -> Points:
-    """Those of a cloth or a solid, or InvalidArgument."""
+    """Those of a body, or InvalidArgument."""
     if not isinstance(points, Points) or points.is_direction:
         raise InvalidArgument(
             f"{owner}: points = {points!r}: must be points of a body, such as solid.vertices[mask]"
@@ -57,14 +59,36 @@ def check_points(points: Any, owner: str) -> Points:
 def stiffness_of(points: Points, owner: str) -> float:
     """[N/m] of the support of a point: a thousand times that of a cell of its body."""
     body: Any = points.body
-    modulus = getattr(getattr(body, "material", None), "youngs_modulus", None)
-    if not isinstance(body, (Cloth, Solid)) or modulus is None:
+    if isinstance(body, Rod) and body.material.law is None:
+        lengths = np.linalg.norm(np.diff(body.mesh.vertices, axis=0), axis=1)
+        return _STIFF * float(np.max(body.material.section["axial_stiffness"]) / lengths.mean())
+    modulus = _modulus(body.material) if isinstance(body, (Cloth, Solid)) else None
+    if modulus is None:
         raise InvalidArgument(
             f"{owner}: {body!r} has no Young's modulus that says how stiff the support has to be; give "
             f"stiffness= [N/m] of each point, a thousand times that of what it holds"
         )
     size = body.material.thickness if isinstance(body, Cloth) else _cell_size(body)
-    return _STIFF * float(np.max(modulus)) * float(size)
+    return _STIFF * modulus * float(size)
+
+
+def _modulus(material: Any) -> float | None:
+    """[Pa]: that of the law; the Young's modulus of a material means nothing to laws without one. None where
+    nothing is known."""
+    law = material.law
+    if law is None:
+        return float(np.max(material.youngs_modulus))
+    recorded = None if material._recorded is None else material._recorded[0]
+    if isinstance(recorded, MaterialLaw):
+        values = {
+            p.name: recorded.value(p, np.asarray(getattr(material, p.name), dtype=np.float64))
+            for p in recorded.parameters
+        }
+        rows = max(len(np.atleast_1d(value)) for value in values.values()) if values else 1
+        sampled = Law(recorded, values)
+        return float(np.abs(sampled.at(np.repeat(sampled.identity[None], rows, axis=0))[2]).max())
+    moduli = [float(np.max(getattr(material, row["name"]))) for row in law.parameters if row["unit"] == "Pa"]
+    return max(moduli, default=0.0) or None
 
 
 def _cell_size(solid: Solid) -> float:

@@ -53,6 +53,56 @@ def test_cloth_slides_in_a_plane_of_symmetry() -> None:
     assert middle.forces.sum(axis=(0, 1))[0] == pytest.approx(-1e6 * 1e-3 * 0.1 * 1e-3, rel=3e-3)
 
 
+@stark.material
+def own_neo_hookean(
+    F: stark.DeformationGradient,
+    mu: float = stark.parameter(unit="Pa", above=0.0),
+    bulk: float = stark.parameter(unit="Pa", above=0.0),
+) -> Any:
+    J = stark.determinant(F)
+    return mu / 2 * (stark.trace(F.T @ F) * J ** (-2 / 3) - 3) + bulk / 2 * (J - 1) ** 2
+
+
+G, K = E / (2 * (1 + NU)), E / (3 * (1 - 2 * NU))
+LAWS = {
+    "of a user": own_neo_hookean(mu=G, bulk=K, density=1000.0),
+    "by element": own_neo_hookean(mu=np.full(20, G), bulk=K, density=1000.0),
+    "metal": stark.j2_plasticity(
+        shear_modulus=G, bulk_modulus=K, yield_stress=1e5, hardening_modulus=0.0, density=1000.0
+    ),
+    "built in": stark.SolidMaterial(law="mooney_rivlin", c10=G / 2, c01=0.0, bulk_modulus=K, density=1000.0),
+}
+
+
+@pytest.mark.parametrize("law", list(LAWS))
+def test_supports_are_as_stiff_as_the_law_asks_for(law: str) -> None:
+    """Not as the Young's modulus of the material, 10 kPa if left out, which these laws do not read."""
+    scene = stark.Scene()
+    bar = scene.add_solid(stark.mesh.box_hexahedra((0.1, 0.04, 0.03), (5, 2, 2)), LAWS[law])
+    at = bar.mesh.vertices
+    for k, axis in enumerate("xyz"):
+        scene.add_rollers(bar.vertices[abs(at[:, k] - at[:, k].min()) < 1e-9], axis)
+    end = scene.add_rollers(bar.vertices[abs(at[:, 0] - 0.05) < 1e-9], "x", shift=1e-4)
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    assert np.ptp(bar.positions[:, 0]) == pytest.approx(0.1001, rel=1e-5)
+    assert end.forces.sum(axis=(0, 1))[0] == pytest.approx(1e-3 * E * 0.04 * 0.03, rel=4e-3)
+
+
+def test_a_frame_of_rods_stays_in_its_plane() -> None:
+    """A column under less than Euler's load about its weak axis in the plane, and more than that across."""
+    strip = stark.RodMaterial(density=1000.0, youngs_modulus=1e9, width=0.002, height=0.01)
+    scene = stark.Scene()
+    nodes = stark.mesh.polyline((0, 0, 0), (0, 0, 0.5), 20)
+    column = scene.add_rod(nodes, strip, clamps=[0], normal=(0, 1, 0))
+    scene.add_rollers(column.vertices, "y")
+    euler = np.pi**2 * 1e9 * 0.01 * 0.002**3 / 12 / (2 * 0.5) ** 2
+    scene.add_force(column.vertices[[20]], (0.0, 1e-3 * euler, -5.0 * euler))
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    assert np.abs(column.positions[:, 1]).max() < 1e-6
+
+
 def test_what_cannot_roll_is_refused() -> None:
     scene = stark.Scene()
     box = scene.add_box(0.1, mass=1.0)
