@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.bodies import Cloth, Rod, Solid
-from stark.formulas import Point, Vec3, energy, parameter
+from stark.formulas import Point, Triangle, Vec3, energy, parameter
 from stark.formulas.law_checks import Law
 from stark.formulas.material_law import MaterialLaw
-from stark.selections import Points
+from stark.selections import Points, Stencils
 from stark.symbolic import Scalar, dot
 
 Floats = NDArray[np.float64]
@@ -33,6 +33,50 @@ def rollers(
     """Points that a plane holds along its normal."""
     off = dot(normal, p.x - place) - shift
     return 0.5 * stiffness * off * off
+
+
+@energy(translation_invariant=True)
+def slopes(
+    t: Triangle,
+    start: float = parameter(doc="sine of the slope at time 0"),
+    normal: Vec3 = parameter(doc="of the plane of symmetry, a unit vector"),
+    stiffness: float = parameter(unit="J", above=0.0, doc="of each triangle at the plane"),
+) -> Scalar:
+    """Triangles at a plane of symmetry, which keep their slope against it."""
+    off = dot(normal, t.normal) - start
+    return 0.5 * stiffness * off * off
+
+
+class Slopes(NamedTuple):
+    """What ``slopes`` takes for the triangles of a cloth at a plane of symmetry."""
+
+    triangles: Stencils
+    start: Floats
+    stiffness: Floats
+
+
+def slopes_at(points: Points, normal: Floats) -> Slopes | None:
+    """The triangles with an edge between the points; None of bodies and cloths that do not bend."""
+    body: Any = points.body
+    vertices = points._columns.get("vertices")
+    if not isinstance(body, Cloth) or vertices is None:
+        return None
+    bending = np.maximum(body.material.flexural_rigidity, 3.0 * np.asarray(body.material.bending_stiffness))
+    bending = np.broadcast_to(bending, len(body.triangles))
+    inside = np.isin(body.triangles, vertices)
+    rows = np.flatnonzero((inside.sum(axis=1) == 2) & (bending > 0.0))
+    if not len(rows):
+        return None
+    x = body.vertices.positions[body.triangles[rows]]
+    free = np.argmin(inside[rows], axis=1)  # the corner beyond the edge
+    at = np.arange(len(rows))
+    edge = np.linalg.norm(x[at, (free + 2) % 3] - x[at, (free + 1) % 3], axis=1)
+    areas = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    double_area = np.linalg.norm(areas, axis=1)
+    # The triangle bends no edge of its own at the plane. Its slope is that of its middle, half its height
+    # away, so this is the energy of its own curvature: D (2 slope/height)^2/2 times its area.
+    stiffness = 2.0 * bending[rows] * edge**2 / double_area
+    return Slopes(body.faces[rows], areas @ normal / double_area, stiffness)
 
 
 def unit_normal(normal: str | ArrayLike, owner: str) -> Floats:

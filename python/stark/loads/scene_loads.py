@@ -208,9 +208,10 @@ class SceneLoads(SceneLink):
     ) -> Energy:
         """Roller supports: points of a body, ``solid.vertices[mask]``, stay in the plane across ``normal``,
         "x", "y", "z" or (3,), in which each is at time 0, and move freely in it: a plane of symmetry, a press
-        without friction. ``handle.shift`` [m] moves the planes along the normal at any time;
-        ``handle.forces`` (n, 1, 3) [N] are the reactions on the points. ``stiffness`` [N/m] of each support:
-        by default a thousand times that of a cell of the cloth, the solid or the rod, by its law."""
+        without friction. Planes of symmetry of sheets that bend want ``add_symmetry``. ``handle.shift`` [m]
+        moves the planes along the normal at any time; ``handle.forces`` (n, 1, 3) [N] are the reactions on
+        the points. ``stiffness`` [N/m] of each support: by default a thousand times that of a cell of the
+        cloth, the solid or the rod, by its law."""
         from stark.loads import rollers
 
         owner = "rollers" if name is None else f"rollers '{name}'"
@@ -222,6 +223,29 @@ class SceneLoads(SceneLink):
         }
         load = self.add(rollers.rollers(points, shift=at_start(shift, owner), **values), name=name)
         set_courses("energy", load, {"shift": shift})
+        return load
+
+    def add_symmetry(
+        self,
+        points: Points,
+        normal: str | ArrayLike,
+        *,
+        stiffness: float | None = None,
+        name: str | None = None,
+    ) -> Energy:
+        """A plane of symmetry, across ``normal``, "x", "y", "z" or (3,), beyond which the other half of a
+        cloth or a solid is left out. ``add_rollers`` for the points that lie in it, of which the handle is
+        returned; of cloths that bend also the slopes of the triangles at it, which rollers leave free: the
+        energy that is called as the handle, with "slopes"."""
+        from stark.loads import rollers
+
+        load = self.add_rollers(points, normal, stiffness=stiffness, name=name)
+        direction = rollers.unit_normal(normal, load.name)
+        held = rollers.slopes_at(points, direction)
+        if held is not None:
+            triangles, start, turning = held
+            bound = rollers.slopes(triangles, start=start, normal=direction, stiffness=turning)
+            self.add(bound, name=f"{load.name} slopes")
         return load
 
 

@@ -103,6 +103,63 @@ def test_a_frame_of_rods_stays_in_its_plane() -> None:
     assert np.abs(column.positions[:, 1]).max() < 1e-6
 
 
+PLATE = stark.ShellMaterial(
+    density=13.0,
+    thickness=5e-3,
+    youngs_modulus=7e10,
+    poissons_ratio=0.3,
+    flexural_rigidity=7e10 * 5e-3**3 / 12 / 0.91,
+    mass_damping=0.0,
+)
+
+
+@pytest.mark.parametrize(
+    ("clamped", "factor", "error"), [(False, 0.00406235, 0.01), (True, 0.00126532, 0.04)]
+)
+def test_a_quarter_of_a_plate_sags_as_the_whole(clamped: bool, factor: float, error: float) -> None:
+    """Timoshenko's series for a square plate of 1 m under 100 Pa. Rollers alone, which leave the slopes free,
+    give 2.6 times the first one."""
+    scene = stark.Scene()
+    plate = scene.add_cloth(stark.mesh.grid(0.5, 0.5, 24), PLATE, self_contact=False)
+    x, y, _ = plate.mesh.vertices.T
+    scene.add_rollers(plate.vertices[(x < -0.2499) | (y < -0.2499)], "z")
+    for axis, along in (("x", x), ("y", y)):
+        scene.add_symmetry(plate.vertices[along > 0.2499], axis)
+        if clamped:
+            scene.add_symmetry(plate.vertices[along < -0.2499], axis)
+    scene.add_face_pressure(plate, 100.0)
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    sag = -plate.positions[(x > 0.2499) & (y > 0.2499), 2].item()
+    assert sag == pytest.approx(factor * 100.0 / float(PLATE.flexural_rigidity), rel=error)
+
+
+def test_a_part_of_a_shell_is_at_rest_at_its_planes_of_symmetry() -> None:
+    grid = stark.mesh.grid(np.pi / 2, 0.5, (12, 4)).vertices
+    bent = np.column_stack((np.cos(grid[:, 0] + np.pi / 4), np.sin(grid[:, 0] + np.pi / 4), grid[:, 1]))
+    mesh = stark.mesh.TriangleMesh(bent, stark.mesh.grid(np.pi / 2, 0.5, (12, 4)).triangles)
+    scene = stark.Scene()
+    shell = scene.add_cloth(mesh, PLATE.replace(flexural_rigidity=np.full(96, 800.0)), rest_angles="mesh")
+    for axis, along in (("x", bent[:, 0]), ("y", bent[:, 1])):
+        handle = scene.add_symmetry(shell.vertices[along < 1e-9], axis, name=axis)
+        assert handle.name == axis
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    assert np.abs(shell.positions - bent).max() < 1e-9
+    assert [len(scene.energies[f"{axis} slopes"].forces) for axis in "xy"] == [4, 4]
+
+
+def test_symmetry_of_solids_is_rollers() -> None:
+    scene = stark.Scene()
+    block = scene.add_solid(stark.mesh.tet_box(0.1, 2), RUBBER)
+    scene.add_symmetry(block.vertices[block.mesh.vertices[:, 0] < -0.0499], "x")
+    soft = scene.add_cloth(
+        stark.mesh.grid(0.1, 0.1, 2), PLATE.replace(flexural_rigidity=0.0, bending_stiffness=0.0)
+    )
+    scene.add_symmetry(soft.vertices[soft.mesh.vertices[:, 0] < -0.0499], "x")
+    assert len(scene.energies) == 2
+
+
 def test_what_cannot_roll_is_refused() -> None:
     scene = stark.Scene()
     box = scene.add_box(0.1, mass=1.0)
