@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stark import _core
 from stark._core import InvalidMesh
 from stark.arguments import given_path
 from stark.mesh.arguments import Indices
@@ -19,7 +20,7 @@ from stark.mesh.repair import oriented
 from stark.mesh.types import SolidMesh, TetMesh, TriangleMesh
 
 #: Types of cells that solids are made of.
-_SOLIDS = ("hexahedron27", "tetra10", "hexahedron", "tetra")
+_SOLIDS = ("hexahedron27", "hexahedron20", "tetra10", "hexahedron", "tetra")
 #: The corners of the triangles that cells of a surface are cut into.
 _PIECES = {"triangle": ((0, 1, 2),), "quad": ((0, 1, 2), (0, 2, 3))}
 
@@ -61,7 +62,14 @@ def load_groups(path: str | os.PathLike[str]) -> dict[str, MeshGroup]:
                 elements.append(np.add.outer(cells.first[k] + pieces * rows, np.arange(pieces)).ravel())
     for name, points in read.point_sets.items():
         parts.setdefault(name, ([], []))[0].append(number[np.asarray(points, dtype=np.int64)])
-    return {name: MeshGroup(_together(v), _together(e)) for name, (v, e) in parts.items()}
+    middles = _middles(number[cells.corners]) if cells.kind == "hexahedron20" else None
+    groups = {}
+    for name, (of_nodes, of_rows) in parts.items():
+        chosen, whole = _together(of_nodes), _together(of_rows)
+        if middles is not None:
+            chosen = np.concatenate([chosen, middles.within(chosen, whole)])
+        groups[name] = MeshGroup(chosen, whole)
+    return groups
 
 
 def load_by_meshio(file: Path) -> TriangleMesh | TetMesh | SolidMesh:
@@ -72,7 +80,56 @@ def load_by_meshio(file: Path) -> TriangleMesh | TetMesh | SolidMesh:
     points = read.points[np.unique(cells.corners)]
     if cells.kind in _PIECES:
         return TriangleMesh(points, corners)
+    if cells.kind == "hexahedron20":
+        middles = _middles(corners)
+        return SolidMesh(middles.added_to(points), middles.cells)
     return oriented(TetMesh(points, corners)) if cells.kind == "tetra" else SolidMesh(points, corners)
+
+
+class _Middles(NamedTuple):
+    """The nodes that hexahedra of 20 nodes have not: those of faces and of middles, after all others."""
+
+    cells: Indices
+    """(m, 27)."""
+    faces: Indices
+    """(k, 8), corners and edges of the face of each new node."""
+    first: int
+    """Number of the first of them."""
+
+    def added_to(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """All nodes; new ones where the shape functions of 20 nodes have the face and the middle."""
+        corners, edges = points[self.faces[:, :4]].sum(axis=1), points[self.faces[:, 4:]].sum(axis=1)
+        rows = points[self.cells[:, :20]]
+        middles = (rows[:, 8:].sum(axis=1) - rows[:, :8].sum(axis=1)) / 4.0
+        return np.concatenate([points, edges / 2.0 - corners / 4.0, middles])
+
+    def within(self, vertices: Indices, elements: Indices) -> Indices:
+        """The new nodes of faces all of whose nodes are chosen, and of chosen elements."""
+        faces = np.flatnonzero(np.isin(self.faces, vertices).all(axis=1)) + self.first
+        return np.concatenate([faces, self.cells[elements, 26]]).astype(np.int32)
+
+
+def _middles(cells: Indices) -> _Middles:
+    """Of hexahedra of 20 nodes (m, 20)."""
+    unit, order = _core.to_quadratic(*_cube())
+    unit = unit[order[0]]
+    around = []  # of each node of a face, the nodes of that face
+    for node in unit[20:26]:
+        axis = int(np.argmax(np.abs(node)))
+        around.append(np.flatnonzero(np.abs(unit[:20, axis] - node[axis]) < 1e-9))
+    rows = cells[:, np.array(around)].reshape(-1, 8)
+    _, first, which = np.unique(np.sort(rows[:, :4], axis=1), axis=0, return_index=True, return_inverse=True)
+    count = int(cells.max()) + 1
+    numbers = count + which.reshape(-1, 6)
+    middles = count + len(first) + np.arange(len(cells))[:, None]
+    return _Middles(np.hstack([cells, numbers, middles]).astype(np.int32), rows[first], count)
+
+
+def _cube() -> tuple[NDArray[np.float64], Indices]:
+    """Corners in the order of VTK, about the origin, and one element."""
+    bottom = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+    corners = np.column_stack((np.tile(bottom, (2, 1)), np.repeat([-1.0, 1.0], 4)))
+    return corners, np.arange(8, dtype=np.int32)[None]
 
 
 def _read(file: Path) -> Any:

@@ -130,6 +130,39 @@ def test_quadrangles_of_a_surface_become_triangles(tmp_path: Path) -> None:
     assert groups["5"].elements.tolist() == [0] and groups["6"].elements.tolist() == [1, 2]
 
 
+def test_hexahedra_of_20_nodes_get_those_of_faces_and_middles(tmp_path: Path) -> None:
+    """Of a bent block whose edges are curved as its elements can be: with nodes of 27-node elements left out
+    and found again. Boundaries get the nodes of their faces."""
+    meshio = pytest.importorskip("meshio")
+    full = mesh.to_quadratic(mesh.box_hexahedra((0.3, 0.2, 0.2), (3, 2, 2)))
+    x = full.vertices
+    bent = x + 0.5 * np.column_stack((x[:, 1] * x[:, 2], x[:, 0] ** 2, x[:, 0] * x[:, 1]))
+    cells = full.elements[:, :20]
+    left = np.flatnonzero((x[:, 0] < -0.1499) & np.isin(np.arange(len(x)), cells))
+    written = meshio.Mesh(
+        bent,
+        [("hexahedron20", cells)],
+        cell_sets={"half": [np.arange(6)]},
+        point_sets={"left": left},
+    )
+    meshio.write(tmp_path / "block.inp", written)
+    found = mesh.load(tmp_path / "block.inp")
+    assert isinstance(found, mesh.SolidMesh) and found.elements.shape == (12, 27)
+    assert len(found.vertices) == len(x)
+    # All terms of the map that 20 nodes can follow: each element is the one of 27 nodes.
+    np.testing.assert_allclose(found.vertices[found.elements], bent[full.elements], atol=1e-12)
+    groups = {n.lower(): g for n, g in mesh.load_groups(tmp_path / "block.inp").items()}
+    left = groups["left"].vertices
+    assert len(left) == 25  # 5 x 5 nodes of a side of 2 x 2 faces
+    assert groups["half"].elements.tolist() == list(range(6))
+    assert set(groups["half"].vertices.tolist()) == set(found.elements[:6].ravel().tolist())
+    scene = stark.Scene()
+    block = scene.add_solid(found, stark.materials.soft_rubber, pins=left)
+    mask = np.isin(np.arange(len(found.vertices)), left)
+    scene.add_traction(block.faces[mask[block.triangles].all(axis=1)], (0.0, 0.0, 1.0))
+    assert not stark.Simulation(scene).step().failed
+
+
 def test_files_without_groups_have_none(tmp_path: Path) -> None:
     meshio = pytest.importorskip("meshio")
     box = mesh.tet_box(0.1, 1)
