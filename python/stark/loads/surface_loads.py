@@ -39,8 +39,8 @@ def face_pressure(
     pressure: float = parameter(unit="Pa", doc="that presses on the faces, against their normals"),
     shares: Vec3 = parameter(doc="of each node in the force of the triple"),
 ) -> Scalar:
-    """Pressure on faces: the work that it does in the step, pressure times the volume that they sweep on
-    straight paths. The sum is over triples of their nodes. [theory eq. 15k]"""
+    """Pressure on faces: minus the work that it does in the step, pressure times the volume that they sweep
+    on straight paths. The sum is over triples of their nodes. [theory eq. 15k]"""
     work: Any = 0.0
     for i in range(3):
         a, b, c = t[i], t[(i + 1) % 3], t[(i + 2) % 3]
