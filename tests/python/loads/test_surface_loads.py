@@ -132,6 +132,29 @@ def test_a_block_flies_by_the_pressure_on_one_face(integrator: str) -> None:
     assert report.energy["external"] == pytest.approx(gained, rel=0.03)
 
 
+def bent_beam(pressures: list[float]) -> np.ndarray:
+    """Mean place of the end of a beam that is pressed on the outer half of its upper side."""
+    mesh = stark.mesh.box_hexahedra((1.0, 0.1, 0.05), (40, 2, 2))
+    x, _, z = mesh.vertices.T
+    scene = stark.Scene()
+    rubber = stark.SolidMaterial(density=1000, youngs_modulus=1e7, poissons_ratio=0.3)
+    beam = scene.add_solid(mesh, rubber, pins=x < -0.4999)
+    load = scene.add_face_pressure(faces_where(beam, (z > 0.0249) & (x > -1e-9)), 0.0)
+    sim = stark.Simulation(scene, time_step=1.0, **STILL, **{"newton.residual_tolerance": 1e-6})
+    for pressure in pressures:
+        load.pressure = pressure
+        assert not sim.step().failed
+    return beam.positions[x > 0.4999].mean(axis=0)
+
+
+def test_a_load_in_one_step_ends_where_one_in_many_steps_does() -> None:
+    """Pressure at the border of the faces is that of the mean normal of a step; repeated steps forget it."""
+    gradual = bent_beam([*np.linspace(40.0, 800.0, 20), 800.0, 800.0, 800.0])
+    assert gradual[2] < -0.6
+    for count, error in ((1, 0.2), (2, 0.01), (3, 1e-3), (5, 1e-5)):
+        assert bent_beam([800.0] * count)[2] == pytest.approx(gradual[2], rel=error)
+
+
 def test_a_sheet_under_pressure_is_pressed_against_its_normals() -> None:
     scene = stark.Scene()
     sheet = scene.add_cloth(stark.mesh.grid(0.4, 0.2, (4, 2)), stark.materials.cotton)
