@@ -298,6 +298,23 @@ def test_a_cloth_that_nothing_holds_has_no_equilibrium() -> None:
     assert sim._core.report.newton_iterations < 20  # it ends early, not by newton.max_iterations
 
 
+def test_a_bar_that_yields_all_through_is_not_said_to_be_free() -> None:
+    """Three times its yield stress: it is pinned, and the remedy was to pin it."""
+    mesh = stark.mesh.box_hexahedra((0.1, 0.02, 0.02), (4, 1, 1))
+    metal = stark.j2_plasticity(
+        shear_modulus=1e6, bulk_modulus=2e6, yield_stress=1e4, hardening_modulus=0.0, density=1000.0
+    )
+    scene = stark.Scene()
+    x = mesh.vertices[:, 0]
+    bar = scene.add_solid(mesh, metal, pins=x < -0.0499, formulation="mean_dilatation", name="bar")
+    scene.add_traction(bar.faces[(x > 0.0499)[bar.triangles].all(axis=1)], (3e4, 0.0, 0.0))
+    quasistatic = {"time.integrator": "quasistatic"}
+    sim = stark.Simulation(scene, time_step=1.0, gravity=(0, 0, 0), settings=quasistatic)
+    diagnosis = failed(sim, "no_equilibrium")
+    assert "nothing balances the forces on solid 'bar'" in diagnosis.finding
+    assert "where it is held, the load is more than it can carry" in diagnosis.remedy
+
+
 def test_cloths_that_start_in_each_other() -> None:
     scene = stark.Scene()
     scene.add_cloth(stark.mesh.grid(0.3, 0.3, 6), name="lining", contact_distance=5e-3)

@@ -75,6 +75,6 @@ def _check_closed(body: BodyHandle, triangles: Indices, owner: str) -> None:
         raise InvalidArgument(
             f"{owner} on '{body.name}': its surface is not closed at {len(wrong)} edges, first between the "
             f"vertices {wrong[0][0]} and {wrong[0][1]}: every edge must have two triangles of the same "
-            f"orientation; close the mesh, or repair it with stark.mesh.merged and stark.mesh.oriented; push "
-            f"on open sheets with scene.add_force, or with an energy of your own"
+            f"orientation; close the mesh, or repair it with stark.mesh.merged and stark.mesh.oriented; for "
+            f"a part of a surface, or an open sheet, take scene.add_face_pressure"
         )

@@ -24,6 +24,8 @@ _CORNERS = {
     4: ((0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (0, 2)),
     8: ((0, 0), (2, 0), (4, 0), (6, 0), (0, 1), (2, 1), (4, 1), (6, 1), (0, 2)),
 }
+# The same nodes of a face that is seen from its other side.
+_TURNED = {4: [0, 3, 2, 1], 6: [0, 2, 1, 5, 4, 3], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 _TRIANGLES = {8: 2, 10: 4, 27: 8}  # of a face, by the nodes of the element
 
 
@@ -44,11 +46,27 @@ def whole_faces(mesh: Mesh | Polyline, triangles: Indices) -> tuple[Indices, Flo
     """Triples of nodes (n, 3) and their shares (n,) that have the volume of the faces that the triangles are
     cut from. None where triangles say it all: of faces of three nodes, lattices and cloth, and where they
     are not the whole of such faces. All faces are taken so or none, or the surface would have gaps."""
+    nodes = face_nodes(mesh, triangles)
+    if nodes is None:
+        return None
+    triples, shares = face_triples(nodes.shape[1])
+    return nodes[:, triples].reshape(-1, 3), np.tile(shares, len(nodes))
+
+
+def cut_faces(mesh: Mesh | Polyline) -> int | None:
+    """Into how many triangles the surface cuts each face of an element; None where it cuts none."""
     if not isinstance(mesh, SolidMesh) or isinstance(mesh, EmbeddedMesh):
         return None
-    cut = _TRIANGLES.get(mesh.elements.shape[1])
+    return _TRIANGLES.get(mesh.elements.shape[1])
+
+
+def face_nodes(mesh: Mesh | Polyline, triangles: Indices) -> Indices | None:
+    """Nodes (m, 4, 6 or 9) of the faces that the triangles are cut from, in the order of the shape functions
+    and turned as the triangles are. None where whole_faces says None."""
+    cut = cut_faces(mesh)
     if cut is None or len(triangles) % cut:
         return None
+    assert isinstance(mesh, SolidMesh)
     surface = mesh.surface_triangles()
     numbers = {tuple(row): k for k, row in enumerate(_from_smallest(surface).tolist())}
     numbers |= {(a, c, b): ~k for (a, b, c), k in numbers.items()}  # turned the other way round
@@ -60,18 +78,16 @@ def whole_faces(mesh: Mesh | Polyline, triangles: Indices) -> tuple[Indices, Flo
     pieces = surface.reshape(-1, cut, 3)[faces]
     turned = np.isin(faces * cut, ~found[found < 0])
     nodes = np.stack([pieces[:, i, j] for i, j in _CORNERS[cut]], axis=1)
-    triples, shares = face_triples(nodes.shape[1])
-    rows = nodes[:, triples]
-    rows[turned] = rows[turned][:, :, [0, 2, 1]]
-    return rows.reshape(-1, 3), np.tile(shares, len(nodes))
+    nodes[turned] = nodes[turned][:, _TURNED[nodes.shape[1]]]
+    return nodes
 
 
 @cache
 def face_triples(count: int) -> tuple[Indices, Floats]:
     """Triples of the nodes of a face of 4, 6 or 9 nodes (n, 3) and their shares (n,): the volume below the
     face is the sum of w x_0 . (x_1 x x_2)/6. [theory eq. 15a]"""
-    at, weights = _quadrature(count == 6)
-    values = [_shape(count, u, v) for u, v in at]
+    at, weights = face_quadrature(count == 6)
+    values = [shape_functions(count, u, v) for u, v in at]
     triples, shares = [], []
     for triple in combinations(range(count), 3):
         columns = np.stack([value[:, triple] for value in values])
@@ -82,7 +98,7 @@ def face_triples(count: int) -> tuple[Indices, Floats]:
     return np.asarray(triples, dtype=np.int32), np.asarray(shares)
 
 
-def _quadrature(triangle: bool) -> tuple[Floats, Floats]:
+def face_quadrature(triangle: bool) -> tuple[Floats, Floats]:
     """Points (n, 2) and weights (n,) of the unit triangle or square, exact for a biquadratic face."""
     x, w = np.polynomial.legendre.leggauss(4)
     x, w = (x + 1.0) / 2.0, w / 2.0
@@ -93,7 +109,7 @@ def _quadrature(triangle: bool) -> tuple[Floats, Floats]:
     return np.stack([u, v], axis=1), weights
 
 
-def _shape(count: int, u: float, v: float) -> Floats:
+def shape_functions(count: int, u: float, v: float) -> Floats:
     """Shape functions of a face and their derivatives by u and v (3, count)."""
     if count == 6:
         corner = np.array([[1.0 - u - v, u, v], [-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.bodies import Cloth, Solid
-from stark.formulas import Point, Vec3, energy, parameter
-from stark.selections import Points
+from stark.bodies import Cloth, Rod, Solid
+from stark.formulas import Point, Triangle, Vec3, energy, parameter
+from stark.formulas.law_checks import Law
+from stark.formulas.material_law import MaterialLaw
+from stark.selections import Points, Stencils
 from stark.symbolic import Scalar, dot
 
 Floats = NDArray[np.float64]
@@ -33,6 +35,50 @@ def rollers(
     return 0.5 * stiffness * off * off
 
 
+@energy(translation_invariant=True)
+def slopes(
+    t: Triangle,
+    start: float = parameter(doc="sine of the slope at time 0"),
+    normal: Vec3 = parameter(doc="of the plane of symmetry, a unit vector"),
+    stiffness: float = parameter(unit="J", above=0.0, doc="of each triangle at the plane"),
+) -> Scalar:
+    """Triangles at a plane of symmetry, which keep their slope against it."""
+    off = dot(normal, t.normal) - start
+    return 0.5 * stiffness * off * off
+
+
+class Slopes(NamedTuple):
+    """What ``slopes`` takes for the triangles of a cloth at a plane of symmetry."""
+
+    triangles: Stencils
+    start: Floats
+    stiffness: Floats
+
+
+def slopes_at(points: Points, normal: Floats) -> Slopes | None:
+    """The triangles with an edge between the points; None of bodies and cloths that do not bend."""
+    body: Any = points.body
+    vertices = points._columns.get("vertices")
+    if not isinstance(body, Cloth) or vertices is None:
+        return None
+    bending = np.maximum(body.material.flexural_rigidity, 3.0 * np.asarray(body.material.bending_stiffness))
+    bending = np.broadcast_to(bending, len(body.triangles))
+    inside = np.isin(body.triangles, vertices)
+    rows = np.flatnonzero((inside.sum(axis=1) == 2) & (bending > 0.0))
+    if not len(rows):
+        return None
+    x = body.vertices.positions[body.triangles[rows]]
+    free = np.argmin(inside[rows], axis=1)  # the corner beyond the edge
+    at = np.arange(len(rows))
+    edge = np.linalg.norm(x[at, (free + 2) % 3] - x[at, (free + 1) % 3], axis=1)
+    areas = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    double_area = np.linalg.norm(areas, axis=1)
+    # The triangle bends no edge of its own at the plane. Its slope is that of its middle, half its height
+    # away, so this is the energy of its own curvature: D (2 slope/height)^2/2 times its area.
+    stiffness = 2.0 * bending[rows] * edge**2 / double_area
+    return Slopes(body.faces[rows], areas @ normal / double_area, stiffness)
+
+
 def unit_normal(normal: str | ArrayLike, owner: str) -> Floats:
     """(3,) of "x", "y", "z" or a vector; InvalidArgument for anything else."""
     try:
@@ -46,7 +92,7 @@ def unit_normal(normal: str | ArrayLike, owner: str) -> Floats:
 
 
 def check_points(points: Any, owner: str) -> Points:
-    """Those of a cloth or a solid, or InvalidArgument."""
+    """Those of a body, or InvalidArgument."""
     if not isinstance(points, Points) or points.is_direction:
         raise InvalidArgument(
             f"{owner}: points = {points!r}: must be points of a body, such as solid.vertices[mask]"
@@ -57,22 +103,36 @@ def check_points(points: Any, owner: str) -> Points:
 def stiffness_of(points: Points, owner: str) -> float:
     """[N/m] of the support of a point: a thousand times that of a cell of its body."""
     body: Any = points.body
-    modulus = _modulus(getattr(body, "material", None))
-    if not isinstance(body, (Cloth, Solid)) or modulus is None:
+    if isinstance(body, Rod) and body.material.law is None:
+        lengths = np.linalg.norm(np.diff(body.mesh.vertices, axis=0), axis=1)
+        return _STIFF * float(np.max(body.material.section["axial_stiffness"]) / lengths.mean())
+    modulus = _modulus(body.material) if isinstance(body, (Cloth, Solid)) else None
+    if modulus is None:
         raise InvalidArgument(
             f"{owner}: {body!r} has no Young's modulus that says how stiff the support has to be; give "
             f"stiffness= [N/m] of each point, a thousand times that of what it holds"
         )
     size = body.material.thickness if isinstance(body, Cloth) else _cell_size(body)
-    return _STIFF * float(np.max(modulus)) * float(size)
+    return _STIFF * modulus * float(size)
 
 
-def _modulus(material: Any) -> Any:
-    """Young's modulus [Pa], 9 K G/(3 K + G) also of a bulk and a shear modulus; None where there is none."""
-    if all(hasattr(material, name) for name in ("shear_modulus", "bulk_modulus")):
-        G, K = np.asarray(material.shear_modulus), np.asarray(material.bulk_modulus)
-        return 9.0 * K * G / (3.0 * K + G)
-    return getattr(material, "youngs_modulus", None)
+def _modulus(material: Any) -> float | None:
+    """[Pa]: that of the law; the Young's modulus of a material means nothing to laws without one. None where
+    nothing is known."""
+    law = material.law
+    if law is None:
+        return float(np.max(material.youngs_modulus))
+    recorded = None if material._recorded is None else material._recorded[0]
+    if isinstance(recorded, MaterialLaw):
+        values = {
+            p.name: recorded.value(p, np.asarray(getattr(material, p.name), dtype=np.float64))
+            for p in recorded.parameters
+        }
+        rows = max(len(np.atleast_1d(value)) for value in values.values()) if values else 1
+        sampled = Law(recorded, values)
+        return float(np.abs(sampled.at(np.repeat(sampled.identity[None], rows, axis=0))[2]).max())
+    moduli = [float(np.max(getattr(material, row["name"]))) for row in law.parameters if row["unit"] == "Pa"]
+    return max(moduli, default=0.0) or None
 
 
 def _cell_size(solid: Solid) -> float:

@@ -44,6 +44,42 @@ class SceneLoads(SceneLink):
         set_courses("energy", load, {"pressure": pressure})
         return load
 
+    def add_face_pressure(
+        self, faces: Body | Stencils, pressure: TimeValue, *, name: str | None = None
+    ) -> Energy:
+        """Pressure [Pa] that presses on some faces of a cloth or a solid, which need not be closed:
+        ``solid.faces[mask[solid.triangles].all(axis=1)]`` with a mask of its vertices. It acts against their
+        normals, which point out of solids, at the size and direction that the faces have at the end of the
+        step; at their border, where these are their mean over the step. ``handle.pressure`` may change at any
+        time; ``handle.energy`` is minus its work in the step [J]."""
+        from stark.loads import surface_loads
+
+        owner = "face pressure" if name is None else f"face pressure '{name}'"
+        start = at_start(pressure, owner)
+        triples, shares = surface_loads.pressed_triples(surface_loads.chosen_faces(faces, owner))
+        load = self.add(surface_loads.face_pressure(triples, pressure=start, shares=shares), name=name)
+        set_courses("energy", load, {"pressure": pressure})
+        return load
+
+    def add_traction(
+        self,
+        faces: Body | Stencils,
+        traction: ArrayLike | Callable[[float], ArrayLike],
+        *,
+        name: str | None = None,
+    ) -> Energy:
+        """A traction (3,) [Pa] on some faces of a cloth or a solid, as for ``add_face_pressure``: a force per
+        area at rest that keeps its direction in the world. ``handle.traction`` may change at any time;
+        ``handle.forces`` (n, 1, 3) [N] are those on the nodes, the consistent ones of finite elements."""
+        from stark.loads import surface_loads
+
+        owner = "traction" if name is None else f"traction '{name}'"
+        start = at_start(traction, owner)
+        points, areas = surface_loads.areas_of_nodes(surface_loads.chosen_faces(faces, owner))
+        load = self.add(surface_loads.traction(points, traction=start, area=areas), name=name)
+        set_courses("energy", load, {"traction": traction})
+        return load
+
     def add_gas(
         self,
         surface: Body | Stencils,
@@ -170,12 +206,12 @@ class SceneLoads(SceneLink):
         stiffness: float | None = None,
         name: str | None = None,
     ) -> Energy:
-        """Roller supports: points of a cloth or a solid, ``solid.vertices[mask]``, stay in the plane across
-        ``normal``, "x", "y", "z" or (3,), in which each is at time 0, and move freely in it: a plane of
-        symmetry, a press without friction. ``handle.shift`` [m] moves the planes along the normal at any
-        time; ``handle.forces`` (n, 1, 3) [N] are the reactions on the points. ``stiffness`` [N/m] of each
-        support: by default a thousand times that of a cell of the body, whose material then must have a
-        Young's modulus."""
+        """Roller supports: points of a body, ``solid.vertices[mask]``, stay in the plane across ``normal``,
+        "x", "y", "z" or (3,), in which each is at time 0, and move freely in it: a plane of symmetry, a press
+        without friction. Planes of symmetry of sheets that bend want ``add_symmetry``. ``handle.shift`` [m]
+        moves the planes along the normal at any time; ``handle.forces`` (n, 1, 3) [N] are the reactions on
+        the points. ``stiffness`` [N/m] of each support: by default a thousand times that of a cell of the
+        cloth, the solid or the rod, by its law."""
         from stark.loads import rollers
 
         owner = "rollers" if name is None else f"rollers '{name}'"
@@ -187,6 +223,29 @@ class SceneLoads(SceneLink):
         }
         load = self.add(rollers.rollers(points, shift=at_start(shift, owner), **values), name=name)
         set_courses("energy", load, {"shift": shift})
+        return load
+
+    def add_symmetry(
+        self,
+        points: Points,
+        normal: str | ArrayLike,
+        *,
+        stiffness: float | None = None,
+        name: str | None = None,
+    ) -> Energy:
+        """A plane of symmetry, across ``normal``, "x", "y", "z" or (3,), beyond which the other half of a
+        cloth or a solid is left out. ``add_rollers`` for the points that lie in it, of which the handle is
+        returned; of cloths that bend also the slopes of the triangles at it, which rollers leave free: the
+        energy that is called as the handle, with "slopes"."""
+        from stark.loads import rollers
+
+        load = self.add_rollers(points, normal, stiffness=stiffness, name=name)
+        direction = rollers.unit_normal(normal, load.name)
+        held = rollers.slopes_at(points, direction)
+        if held is not None:
+            triangles, start, turning = held
+            bound = rollers.slopes(triangles, start=start, normal=direction, stiffness=turning)
+            self.add(bound, name=f"{load.name} slopes")
         return load
 
 

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from stark.mesh.report import MeshChange, MeshReport
     from stark.mesh.scans import LatticeFromScan, SolidFromScan, lattice_from_scan, solid_from_scan
     from stark.mesh.tetrahedra import edge_lengths, tetrahedralise
+    from stark.mesh.volume_files import MeshGroup, load_groups
 else:
     from stark.on_demand import attach
 
@@ -44,6 +45,7 @@ else:
             "stark.mesh.report": "MeshChange MeshReport",
             "stark.mesh.scans": "LatticeFromScan SolidFromScan lattice_from_scan solid_from_scan",
             "stark.mesh.tetrahedra": "edge_lengths tetrahedralise",
+            "stark.mesh.volume_files": "MeshGroup load_groups",
         },
     )
 
@@ -53,6 +55,7 @@ __all__ = [
     "LatticeFromScan",
     "Mesh",
     "MeshChange",
+    "MeshGroup",
     "MeshReport",
     "Points",
     "Polyline",
@@ -79,6 +82,7 @@ __all__ = [
     "lattice",
     "lattice_from_scan",
     "load",
+    "load_groups",
     "merged",
     "oriented",
     "polyline",

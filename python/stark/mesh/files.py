@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import math
 import os
@@ -18,7 +17,7 @@ from stark._core import InvalidMesh
 from stark.arguments import given_flag, given_path
 from stark.files import read_bytes
 from stark.mesh.polygons import triangulated
-from stark.mesh.repair import merged, oriented
+from stark.mesh.repair import merged
 from stark.mesh.types import EmbeddedMesh, Mesh, SolidMesh, TetMesh, TriangleMesh
 
 _LARGEST_ARRAY = 1 << 32  # bytes, after decompression
@@ -49,7 +48,9 @@ def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
 
     Programs write a vertex once for each normal or texture coordinate that it has there. Of surfaces that are
     open as written, vertices at exactly the same place become one, unused ones and collapsed triangles go;
-    ``merge=False`` keeps them, for slits. Closed surfaces, NPZ, MSH and VTK stay as they are."""
+    ``merge=False`` keeps them, for slits. Closed surfaces and NPZ stay as they are, and what meshio reads but
+    for unused vertices. Of a file with solid cells its surface cells are left out; ``load_groups`` has the
+    names of both."""
     file, is_merged = given_path(path, "mesh.load: path"), given_flag(merge, "mesh.load: merge")
     try:
         data = read_bytes(file)
@@ -67,7 +68,9 @@ def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
         except _damage() as error:
             raise InvalidMesh(f"'{file}' is not a valid {suffix[1:].upper()} file: {error}") from None
     elif suffix in _VOLUME_FORMATS:
-        return _load_by_meshio(file)
+        from stark.mesh.volume_files import load_by_meshio
+
+        return load_by_meshio(file)
     else:
         mesh = _load_by_trimesh(file)
     if isinstance(mesh, TriangleMesh) and len(mesh.triangles) == 0:
@@ -331,7 +334,9 @@ def _load_by_trimesh(file: Path) -> Mesh:
     except ImportError as error:
         raise ImportError(f"'{file}': this format needs trimesh: pip install 'stark-sim[mesh]'") from error
     if file.suffix.lower() not in _TRIMESH_FORMATS and _is_of_meshio(file):
-        return _load_by_meshio(file)
+        from stark.mesh.volume_files import load_by_meshio
+
+        return load_by_meshio(file)
     names = trimesh.available_formats()
     if not any(file.name.lower().endswith(f".{name}") for name in names):
         known = sorted(_TRIMESH_FORMATS & {f".{name}" for name in names})
@@ -349,35 +354,3 @@ def _load_by_trimesh(file: Path) -> Mesh:
             f"trimesh or meshio"
         ) from None
     return TriangleMesh(np.asarray(loaded.vertices), np.asarray(loaded.faces))
-
-
-def _load_by_meshio(file: Path) -> Mesh:
-    try:
-        import meshio
-    except ImportError as error:
-        raise ImportError(f"'{file}': this format needs meshio: pip install 'stark-sim[mesh]'") from error
-    said = io.StringIO()
-    try:
-        # It prints why a file cannot be read, and then ends the process.
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            loaded = meshio.read(file)
-    except ImportError as error:
-        raise ImportError(f"'{file}': {error}; install it") from error
-    except (Exception, SystemExit) as error:
-        why = " ".join(said.getvalue().split()) if isinstance(error, SystemExit) else f"{error}"
-        if not isinstance(error, (SystemExit, meshio.ReadError)) or not why:
-            why = "meshio finds no mesh in it" + (f" ({error})" if isinstance(error, ValueError) else "")
-        raise InvalidMesh(f"'{file}' cannot be read: {why}") from None
-    cells = loaded.cells_dict
-    solids = ("hexahedron27", "tetra10", "hexahedron")
-    for kind in solids:
-        if kind in cells:
-            return SolidMesh(loaded.points, cells[kind])
-    if "tetra" in cells:
-        return oriented(TetMesh(loaded.points, cells["tetra"]))
-    if "triangle" in cells:
-        return TriangleMesh(loaded.points, cells["triangle"])
-    raise InvalidMesh(
-        f"'{file}' has cells of type {', '.join(cells) or 'none'}: "
-        f"must have cells of type {', '.join(solids)}, tetra or triangle"
-    )

@@ -4,7 +4,7 @@ dependencies."""
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -84,28 +84,49 @@ def vtu_bytes(frame: Frame, point_data: Mapping[str, np.ndarray] | None = None) 
     """One frame as VTU (VTK XML UnstructuredGrid); cell data ``body`` is the index of the body,
     ``point_data`` are numbers (n,) or vectors (n, 3) at all vertices, by name."""
     vertices, triangles, owners = merged(frame)
-    count = len(triangles)
+    point_data = {name: np.asarray(v, dtype="<f4") for name, v in (point_data or {}).items()}
+    return vtu_of(vertices.astype("<f4"), [(triangles, 5)], owners, point_data)
+
+
+def vtu_of(
+    points: np.ndarray,
+    cells: Sequence[tuple[np.ndarray, int]],
+    owners: np.ndarray,
+    point_data: Mapping[str, np.ndarray],
+) -> bytes:
+    """VTU of ``points`` (n, 3), blocks of ``cells`` (m, nodes) with their type in VTK, the index of the body
+    of each cell, and numbers (n,) or rows (n, k) at points, in single or double precision as they are."""
+    connectivity = np.concatenate([rows.ravel() for rows, _ in cells]).astype("<i4")
+    offsets = np.cumsum(np.concatenate([np.full(len(rows), rows.shape[1]) for rows, _ in cells])).astype(
+        "<i4"
+    )
+    types = np.concatenate([np.full(len(rows), kind, dtype="u1") for rows, kind in cells])
     parts = [
         '<?xml version="1.0"?>',
         '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt32">',
         "<UnstructuredGrid>",
-        f'<Piece NumberOfPoints="{len(vertices)}" NumberOfCells="{count}">',
-        f"<Points>{_data_array(vertices.astype('<f4'), 'Float32', 'Points', 3)}</Points>",
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(types)}">',
+        f"<Points>{_floats(points, 'Points')}</Points>",
         "<Cells>",
-        _data_array(triangles.astype("<i4"), "Int32", "connectivity"),
-        _data_array(3 * np.arange(1, count + 1, dtype="<i4"), "Int32", "offsets"),
-        _data_array(np.full(count, 5, dtype="u1"), "UInt8", "types"),
+        _data_array(connectivity, "Int32", "connectivity"),
+        _data_array(offsets, "Int32", "offsets"),
+        _data_array(types, "UInt8", "types"),
         "</Cells>",
         f'<CellData Scalars="body">{_data_array(owners.astype("<i4"), "Int32", "body")}</CellData>',
         "<PointData>",
-        *(
-            _data_array(np.asarray(v, dtype="<f4"), "Float32", name, 1 if np.ndim(v) == 1 else 3)
-            for name, v in (point_data or {}).items()
-        ),
+        *(_floats(values, name) for name, values in point_data.items()),
         "</PointData>",
         "</Piece></UnstructuredGrid></VTKFile>\n",
     ]
     return "\n".join(parts).encode()
+
+
+def _floats(values: np.ndarray, name: str) -> str:
+    components = 1 if values.ndim == 1 else values.shape[1]
+    single = values.dtype == np.float32
+    return _data_array(
+        values.astype("<f4" if single else "<f8"), "Float32" if single else "Float64", name, components
+    )
 
 
 def pvd_bytes(files: Iterable[tuple[float, str]]) -> bytes:

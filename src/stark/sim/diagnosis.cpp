@@ -354,10 +354,13 @@ Verdict judge_equilibrium(const StepEvidence& e, const Settings& settings) {
       e.solve.status == SolveStatus::RunAway || (!has_inertia && e.motion > kRunaway * e.scene_size);
   if (!runs_away) return {};
   return {FailureCause::NoEquilibrium,
-          "nothing holds " + (e.forces.empty() ? std::string("the bodies") : e.forces.front().at.body) +
-              ": it moved by " + rough_text(e.motion, "m") + " in a quasistatic step of a scene of " +
+          "nothing balances the forces on " +
+              (e.forces.empty() ? std::string("the bodies") : e.forces.front().at.body) + ": it moved by " +
+              rough_text(e.motion, "m") + " in a quasistatic step of a scene of " +
               rough_text(e.scene_size, "m"),
-          "pin it, put it on something, or use an integrator with inertia such as implicit_euler",
+          "where it is free, pin it, put it on something, or use an integrator with inertia such as "
+          "implicit_euler; where it is held, the load is more than it can carry, as beyond buckling or "
+          "yielding: load it less, or by prescribed displacements",
           e.forces.empty() ? std::vector<std::string>{} : std::vector<std::string>{e.forces.front().at.body}};
 }
 

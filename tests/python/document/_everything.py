@@ -172,6 +172,9 @@ def _add_energies(scene: stark.Scene) -> None:
     )
     scene.add_torque(arm, (0.0, 0.0, 1e-3), name="twist")
     scene.add_pressure(solid, 100.0, name="pressure")
+    scene.add_face_pressure(solid.faces, stark.motion.linear([0, 1], [0.0, 10.0]), name="face pressure")
+    scene.add_symmetry(scene["cloth"].vertices[[0, 1]], "x", name="symmetry")
+    scene.add_traction(solid.faces, (0.0, 0.0, 1.0), name="traction")
 
 
 def _add_pairs(scene: stark.Scene) -> None:

@@ -280,7 +280,7 @@ def attach(draw: Draw) -> Call:
 
 
 def add_load(draw: Draw) -> Call:
-    kind, value, three = draw.integer(4), draw.value(1.0), draw.vector(0.0, 0.0, 1.0)
+    kind, value, three = draw.integer(6), draw.value(1.0), draw.vector(0.0, 0.0, 1.0)
     side, vertices = _which(draw, 0, 5), draw.array(np.array([1, 2]))
     more = _options(draw, name=lambda: draw.text(None, "load"))
     calls: tuple[Call, ...] = (
@@ -288,6 +288,8 @@ def add_load(draw: Draw) -> Call:
         lambda w: w.scene.add_force(w.body(side), three, **more),
         lambda w: w.scene.add_force(w.cloth.vertices[vertices], three, **more),
         lambda w: w.scene.add_torque(w.body(side), three, **more),
+        lambda w: w.scene.add_face_pressure(w.body(side), value, **more),
+        lambda w: w.scene.add_traction(w.body(side), three, **more),
     )
     return calls[kind]
 

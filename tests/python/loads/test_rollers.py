@@ -53,6 +53,113 @@ def test_cloth_slides_in_a_plane_of_symmetry() -> None:
     assert middle.forces.sum(axis=(0, 1))[0] == pytest.approx(-1e6 * 1e-3 * 0.1 * 1e-3, rel=3e-3)
 
 
+@stark.material
+def own_neo_hookean(
+    F: stark.DeformationGradient,
+    mu: float = stark.parameter(unit="Pa", above=0.0),
+    bulk: float = stark.parameter(unit="Pa", above=0.0),
+) -> Any:
+    J = stark.determinant(F)
+    return mu / 2 * (stark.trace(F.T @ F) * J ** (-2 / 3) - 3) + bulk / 2 * (J - 1) ** 2
+
+
+G, K = E / (2 * (1 + NU)), E / (3 * (1 - 2 * NU))
+LAWS = {
+    "of a user": own_neo_hookean(mu=G, bulk=K, density=1000.0),
+    "by element": own_neo_hookean(mu=np.full(20, G), bulk=K, density=1000.0),
+    "metal": stark.j2_plasticity(
+        shear_modulus=G, bulk_modulus=K, yield_stress=1e5, hardening_modulus=0.0, density=1000.0
+    ),
+    "built in": stark.SolidMaterial(law="mooney_rivlin", c10=G / 2, c01=0.0, bulk_modulus=K, density=1000.0),
+}
+
+
+@pytest.mark.parametrize("law", list(LAWS))
+def test_supports_are_as_stiff_as_the_law_asks_for(law: str) -> None:
+    """Not as the Young's modulus of the material, 10 kPa if left out, which these laws do not read."""
+    scene = stark.Scene()
+    bar = scene.add_solid(stark.mesh.box_hexahedra((0.1, 0.04, 0.03), (5, 2, 2)), LAWS[law])
+    at = bar.mesh.vertices
+    for k, axis in enumerate("xyz"):
+        scene.add_rollers(bar.vertices[abs(at[:, k] - at[:, k].min()) < 1e-9], axis)
+    end = scene.add_rollers(bar.vertices[abs(at[:, 0] - 0.05) < 1e-9], "x", shift=1e-4)
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    assert np.ptp(bar.positions[:, 0]) == pytest.approx(0.1001, rel=1e-5)
+    assert end.forces.sum(axis=(0, 1))[0] == pytest.approx(1e-3 * E * 0.04 * 0.03, rel=4e-3)
+
+
+def test_a_frame_of_rods_stays_in_its_plane() -> None:
+    """A column under less than Euler's load about its weak axis in the plane, and more than that across."""
+    strip = stark.RodMaterial(density=1000.0, youngs_modulus=1e9, width=0.002, height=0.01)
+    scene = stark.Scene()
+    nodes = stark.mesh.polyline((0, 0, 0), (0, 0, 0.5), 20)
+    column = scene.add_rod(nodes, strip, clamps=[0], normal=(0, 1, 0))
+    scene.add_rollers(column.vertices, "y")
+    euler = np.pi**2 * 1e9 * 0.01 * 0.002**3 / 12 / (2 * 0.5) ** 2
+    scene.add_force(column.vertices[[20]], (0.0, 1e-3 * euler, -5.0 * euler))
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    assert np.abs(column.positions[:, 1]).max() < 1e-6
+
+
+PLATE = stark.ShellMaterial(
+    density=13.0,
+    thickness=5e-3,
+    youngs_modulus=7e10,
+    poissons_ratio=0.3,
+    flexural_rigidity=7e10 * 5e-3**3 / 12 / 0.91,
+    mass_damping=0.0,
+)
+
+
+@pytest.mark.parametrize(
+    ("clamped", "factor", "error"), [(False, 0.00406235, 0.01), (True, 0.00126532, 0.04)]
+)
+def test_a_quarter_of_a_plate_sags_as_the_whole(clamped: bool, factor: float, error: float) -> None:
+    """Timoshenko's series for a square plate of 1 m under 100 Pa. Rollers alone, which leave the slopes free,
+    give 2.6 times the first one."""
+    scene = stark.Scene()
+    plate = scene.add_cloth(stark.mesh.grid(0.5, 0.5, 24), PLATE, self_contact=False)
+    x, y, _ = plate.mesh.vertices.T
+    scene.add_rollers(plate.vertices[(x < -0.2499) | (y < -0.2499)], "z")
+    for axis, along in (("x", x), ("y", y)):
+        scene.add_symmetry(plate.vertices[along > 0.2499], axis)
+        if clamped:
+            scene.add_symmetry(plate.vertices[along < -0.2499], axis)
+    scene.add_face_pressure(plate, 100.0)
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    sag = -plate.positions[(x > 0.2499) & (y > 0.2499), 2].item()
+    assert sag == pytest.approx(factor * 100.0 / float(PLATE.flexural_rigidity), rel=error)
+
+
+def test_a_part_of_a_shell_is_at_rest_at_its_planes_of_symmetry() -> None:
+    grid = stark.mesh.grid(np.pi / 2, 0.5, (12, 4)).vertices
+    bent = np.column_stack((np.cos(grid[:, 0] + np.pi / 4), np.sin(grid[:, 0] + np.pi / 4), grid[:, 1]))
+    mesh = stark.mesh.TriangleMesh(bent, stark.mesh.grid(np.pi / 2, 0.5, (12, 4)).triangles)
+    scene = stark.Scene()
+    shell = scene.add_cloth(mesh, PLATE.replace(flexural_rigidity=np.full(96, 800.0)), rest_angles="mesh")
+    for axis, along in (("x", bent[:, 0]), ("y", bent[:, 1])):
+        handle = scene.add_symmetry(shell.vertices[along < 1e-9], axis, name=axis)
+        assert handle.name == axis
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    assert np.abs(shell.positions - bent).max() < 1e-9
+    assert [len(scene.energies[f"{axis} slopes"].forces) for axis in "xy"] == [4, 4]
+
+
+def test_symmetry_of_solids_is_rollers() -> None:
+    scene = stark.Scene()
+    block = scene.add_solid(stark.mesh.tet_box(0.1, 2), RUBBER)
+    scene.add_symmetry(block.vertices[block.mesh.vertices[:, 0] < -0.0499], "x")
+    soft = scene.add_cloth(
+        stark.mesh.grid(0.1, 0.1, 2), PLATE.replace(flexural_rigidity=0.0, bending_stiffness=0.0)
+    )
+    scene.add_symmetry(soft.vertices[soft.mesh.vertices[:, 0] < -0.0499], "x")
+    assert len(scene.energies) == 2
+
+
 def test_what_cannot_roll_is_refused() -> None:
     scene = stark.Scene()
     box = scene.add_box(0.1, mass=1.0)
