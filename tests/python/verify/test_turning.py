@@ -37,7 +37,7 @@ def test_certificates_know_velocities_of_what_turns(tmp_path: Path, time_step: f
 
 def test_steady_turns_stay_steady() -> None:
     masses, h, spin = np.full(8, 0.2), 0.02, np.array([3.0, -12.0, 5.0])
-    x0 = stark.mesh.box(0.3).vertices + (1.0, 2.0, 3.0)  # all axes of a cube are principal ones
+    x0 = np.add(stark.mesh.box(0.3).vertices, (1.0, 2.0, 3.0))  # all axes of a cube are principal ones
     centre = masses @ x0 / masses.sum()
     v0 = np.cross(spin, x0 - centre)
     R = stark.rotation(axis=spin, angle=h * float(np.linalg.norm(spin)))
