@@ -28,8 +28,8 @@ def write_elements(path: str | PathLike[str], sim: Any) -> Path:
     """Writes the elements of all solids and cloths of a simulation, as they are now, to a VTU file for
     ParaView, meshio or PyVista; files with numbers, ``part_0001.vtu``, are a series for ParaView. At nodes,
     in double precision: ``displacement`` [m] since time 0, ``velocity`` [m/s], ``stress`` [Pa] of von Mises,
-    ``strain``, ``stress_tensor`` (9) [Pa], the Cauchy stress in the axes of the world; NaN where it is
-    unknown, as of laws with internal variables. Of cells: ``body``, its number in the scene."""
+    ``strain``, ``plastic_strain``, ``stress_tensor`` (9) [Pa], the Cauchy stress in the axes of the world. Of
+    cells: ``body``, its number in the scene."""
     file = given_path(path, "write_elements: path")
     if file.suffix != ".vtu":
         raise InvalidArgument(f"write_elements: path = '{file}': must end with .vtu")
@@ -47,15 +47,15 @@ def write_elements(path: str | PathLike[str], sim: Any) -> Path:
         "velocity": lambda body: body.velocities,
         "stress": lambda body: field_values(sim, "stress", body)[body.name],
         "strain": lambda body: field_values(sim, "strain", body)[body.name],
+        "plastic_strain": lambda body: field_values(sim, "plastic_strain", body)[body.name],
         "stress_tensor": lambda body: tensor_values(sim, "stress", body)[body.name].reshape(-1, 9),
     }
-    widths = {"displacement": 3, "velocity": 3, "stress_tensor": 9}
     data = vtu_of(
         np.concatenate([body.positions for _, body in bodies]),
         cells,
         np.concatenate(owners),
         {
-            name: np.concatenate([_known(value, body, widths.get(name, 1)) for _, body in bodies])
+            name: np.concatenate([np.asarray(value(body), dtype=np.float64) for _, body in bodies])
             for name, value in fields.items()
         },
     )
@@ -68,11 +68,3 @@ def _elements(body: Any) -> Array:
     """(m, nodes), of what the body is made of: of lattices their cells."""
     mesh = body.mesh
     return np.asarray(mesh.triangles if isinstance(body, Cloth) else mesh.elements)
-
-
-def _known(value: Callable[[Any], Array], body: Any, width: int) -> Array:
-    """Values at the vertices of a body, NaN where its law does not tell them."""
-    try:
-        return np.asarray(value(body), dtype=np.float64)
-    except InvalidArgument:
-        return np.full((len(body.positions), width)[: 1 + (width > 1)], np.nan)

@@ -145,7 +145,7 @@ def free_spin(kind: str, h: float) -> tuple[float, float, float]:
 @pytest.mark.parametrize("kind", ["solid", "cloth", "rod"])
 @pytest.mark.parametrize("h", [1 / 60, 0.01, 0.002])
 def test_implicit_euler_keeps_the_turn_of_free_bodies(kind: str, h: float) -> None:
-    """Theory eq. 26f. Differences of places lost half of the angular momentum at 10 ms."""
+    """As theory eq. 26f says. Differences of places lost half of the angular momentum at 10 ms."""
     momentum, energy, rise = free_spin(kind, h)
     assert momentum == pytest.approx(1.0, abs=1e-6)
     # The sheet is so soft that it grows by a third, which its strain damping takes part in.
