@@ -1,7 +1,5 @@
 #include "described.h"
 
-#include "arrays.h"
-
 namespace stark::bindings {
 
 nb::object to_python(const FieldValue& value) {
@@ -34,31 +32,11 @@ FieldValue to_field_value(nb::handle object) {
   return text(object);
 }
 
-FieldMap to_field_map(const nb::dict& values) {
-  FieldMap map;
-  for (auto [name, value] : values) map.emplace_back(text(name), to_field_value(value));
-  return map;
-}
-
-nb::dict to_dict(const FieldMap& map) {
-  nb::dict dict;
-  for (const auto& [name, value] : map) dict[name.c_str()] = to_python(value);
-  return dict;
-}
-
 nb::list describe(const FieldTable& table) {
-  nb::list rows;
-  for (const Field& f : table.fields()) {
-    nb::dict row;
-    row["name"] = f.name;
-    row["unit"] = f.unit;
-    row["default"] = to_python(f.default_value);
-    row["rule"] = f.rule_text();
-    row["choices"] = f.choices ? f.choices() : std::vector<std::string>();
-    row["doc"] = f.doc;
-    rows.append(row);
-  }
-  return rows;
+  return list_of(table.fields(), [](const Field& f) {
+    return dict_of("name", f.name, "unit", f.unit, "default", f.default_value, "rule", f.rule_text(),
+                   "choices", f.choices ? f.choices() : std::vector<std::string>(), "doc", f.doc);
+  });
 }
 
 }  // namespace stark::bindings

@@ -1,18 +1,11 @@
 // Bindings of the constitutive laws: names, parameters, checks of values.
-#include <nanobind/nanobind.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
-
 #include <stark/sim/registry.h>
 
 #include "given.h"
 
-namespace {
+namespace stark::bindings {
 
-namespace nb = nanobind;
-using namespace nb::literals;
-using namespace stark;
-using namespace stark::bindings;
+namespace {
 
 PotentialDefinition linear_element(const SolidLaw& law) { return tet4(law); }
 PotentialDefinition linear_element(const ShellLaw& law) { return triangle3(law); }
@@ -31,11 +24,14 @@ void check_law_values(const Law& law, nb::handle given, const std::string& owner
 
 template <typename Law>
 void bind_law(nb::module_& m, const char* name, const char* doc) {
+  m.def(
+      "element_formula", [](const Law& law) { return formula_of(linear_element(law)); }, "law"_a,
+      "A law on its linear elements: tetrahedra, triangles, segments of rods.");
   nb::class_<Law>(m, name, doc)
-      .def_prop_ro("name", [](const Law& law) { return law.name; })
-      .def_prop_ro("doc", [](const Law& law) { return law.doc; })
+      .def_ro("name", &Law::name)
+      .def_ro("doc", &Law::doc)
       .def_prop_ro(
-          "parameters", [](const Law& law) { return describe(parameters_of(linear_element(law))); },
+          "parameters", [](const Law& law) { return parameters_of(linear_element(law)); },
           "Rows of name, unit, rule, doc, width.")
       .def("check", check_law_values<Law>, "values"_a, "owner"_a,
            "Ranges of {name: (numbers, per_element)}; the number of elements is not known yet.")
@@ -54,3 +50,5 @@ void bind_laws(nb::module_& m) {
   m.def("solid_laws", registered_solid_laws, "All built-in laws of solids.");
   m.def("shell_laws", registered_shell_laws, "All built-in laws of membranes that are formulas of F.");
 }
+
+}  // namespace stark::bindings

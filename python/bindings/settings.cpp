@@ -3,38 +3,21 @@
 #include <stark/sim/materials.h>
 #include <stark/sim/settings.h>
 
-#include "casters.h"
 #include "described.h"
-#include "domains.h"
+
+namespace stark::bindings {
 
 namespace {
 
-using namespace stark;
-using namespace stark::bindings;
-
-void bind_settings_class(nb::module_& m) {
-  bind_described<Settings>(m, "Settings", "All settings of a simulation by dotted name.")
-      .def(
-          "set_text",
-          [](Settings& s, const std::string& name, const std::string& value) {
-            set_from_text(s, name, value);
-          },
-          "name"_a, "text"_a)
-      .def(
-          "assign",
-          [](Settings& s, const std::string& name, nb::handle value) { set(s, name, to_field_value(value)); },
-          "name"_a, "value"_a.none(), "As set(), and knows time_step, contact_distance and threads.")
-      .def(
-          "read", [](const Settings& s, const std::string& name) { return to_python(get(s, name)); },
-          "name"_a, "As get(), and knows the short names.")
-      .def(
-          "validate", [](const Settings& s) { validate(s); }, "Ranges, and the rules between settings.")
-      .def("brief", [](const Settings& s) { return changed_from_default(s); });
-}
-
+/// A material, and all that come with Stark.
 template <typename Material>
-nb::list bind_presets(const std::vector<materials::Preset<Material>>& presets) {
-  return list_of(presets, [](const auto& p) { return nb::make_tuple(p.name, p.source, p.material); });
+void bind_material(nb::module_& m, const char* name, const char* doc, const char* presets,
+                   const std::vector<materials::Preset<Material>>& (*all)()) {
+  bind_described<Material>(m, name, doc);
+  const auto rows = [all] {
+    return list_of(all(), [](const auto& p) { return nb::make_tuple(p.name, p.source, p.material); });
+  };
+  m.def(presets, rows, "(name, source, material) of each.");
 }
 
 nb::dict section_to_dict(const RodMaterial& material) {
@@ -49,18 +32,19 @@ nb::dict section_to_dict(const RodMaterial& material) {
 }  // namespace
 
 void bind_settings(nb::module_& m) {
-  bind_settings_class(m);
-  bind_described<ShellMaterial>(m, "ShellMaterial", "Parameters of cloth and thin shells.");
-  bind_described<SolidMaterial>(m, "SolidMaterial", "Parameters of soft solids.");
-  bind_described<RodMaterial>(m, "RodMaterial", "Parameters of rods.");
+  bind_described<Settings>(m, "Settings", "All settings of a simulation by dotted name.")
+      .def("set_text", &set_from_text, "name"_a, "text"_a)
+      .def("assign", &set, "name"_a, "value"_a.none(),
+           "As set(), and knows time_step, contact_distance and threads.")
+      .def("read", &get, "name"_a, "As get(), and knows the short names.")
+      .def("validate", nb::overload_cast<const Settings&>(&validate),
+           "Ranges, and the rules between settings.")
+      .def("brief", nb::overload_cast<const Settings&>(&changed_from_default));
+  bind_material(m, "ShellMaterial", "Parameters of cloth and thin shells.", "shell_presets",
+                materials::shell_presets);
+  bind_material(m, "SolidMaterial", "Parameters of soft solids.", "solid_presets", materials::solid_presets);
+  bind_material(m, "RodMaterial", "Parameters of rods.", "rod_presets", materials::rod_presets);
   m.def("rod_section", &section_to_dict, "material"_a, "What the cross-section gives a rod.");
-  m.def(
-      "rod_presets", [] { return bind_presets(materials::rod_presets()); },
-      "(name, source, material) of each.");
-  m.def(
-      "shell_presets", [] { return bind_presets(materials::shell_presets()); },
-      "(name, source, material) of each.");
-  m.def(
-      "solid_presets", [] { return bind_presets(materials::solid_presets()); },
-      "(name, source, material) of each.");
 }
+
+}  // namespace stark::bindings

@@ -1,8 +1,4 @@
 // Bindings of expression graphs: inputs, access to nodes, derivatives as expressions of the same graph.
-#include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
-
 #include <stark/base/error.h>
 #include <stark/base/settings.h>
 
@@ -10,9 +6,9 @@
 
 namespace stark::bindings {
 
-using namespace nb::literals;
 using symbolic::Graph;
 using symbolic::InputKind;
+using symbolic::Scalar;
 
 namespace {
 
@@ -53,46 +49,27 @@ void bind_graph(nb::module_& m) {
           "stages", [](const Graph& g) { return std::vector<symbolic::NodeId>(g.stages()); },
           "Numbers of the nodes that were marked so.")
       .def("__len__", &Graph::size);
-  m.def(
-      "jacobian",
-      [](nb::handle outputs, nb::handle wrt) {
-        return symbolic::jacobian(require_traced_list(outputs, "jacobian: outputs"),
-                                  require_traced_list(wrt, "jacobian: wrt"));
-      },
-      "outputs"_a, "wrt"_a, "Rows of derivatives of the outputs with respect to symbols.");
-  m.def(
-      "hessian",
-      [](nb::handle output, nb::handle wrt) {
-        return symbolic::hessian(require_traced(output, "hessian: the output"),
-                                 require_traced_list(wrt, "hessian: wrt"));
-      },
-      "output"_a, "wrt"_a, "Rows of second derivatives of an output with respect to symbols.");
-  m.def(
-      "substitute",
-      [](nb::handle outputs, nb::handle inputs, nb::handle values) {
-        return symbolic::substitute(require_traced_list(outputs, "substitute: outputs"),
-                                    require_traced_list(inputs, "substitute: inputs"),
-                                    require_traced_list(values, "substitute: values"));
-      },
-      "outputs"_a, "inputs"_a, "values"_a,
-      "Expressions of another graph, with these values in place of its inputs.");
+  m.def("jacobian", with_arrays<symbolic::jacobian, "jacobian: outputs", "jacobian: wrt">, "outputs"_a,
+        "wrt"_a, "Rows of derivatives of the outputs with respect to symbols.");
+  m.def("hessian", with_arrays<symbolic::hessian, "hessian: the output", "hessian: wrt">, "output"_a, "wrt"_a,
+        "Rows of second derivatives of an output with respect to symbols.");
+  m.def("substitute",
+        with_arrays<symbolic::substitute, "substitute: outputs", "substitute: inputs", "substitute: values">,
+        "outputs"_a, "inputs"_a, "values"_a,
+        "Expressions of another graph, with these values in place of its inputs.");
 }
 
 void bind_nodes(nb::class_<TracedScalar>& c) {
-  c.def_prop_ro(
-       "graph", [](const TracedScalar& x) { return x.graph; }, "Graph, or None for a number.")
-      .def_prop_ro(
-          "id", [](const TracedScalar& x) { return x.value.id(); }, "Number of the node in its graph.")
-      .def_prop_ro(
-          "name", [](const TracedScalar& x) { return symbolic::name_of(x); }, "Name of an input, else ''.")
+  c.def_prop_ro("graph", path<&TracedScalar::graph>, "Graph, or None for a number.")
+      .def_prop_ro("id", path<&TracedScalar::value, &Scalar::id>, "Number of the node in its graph.")
+      .def_prop_ro("name", nb::overload_cast<const TracedScalar&>(&symbolic::name_of),
+                   "Name of an input, else ''.")
       .def_prop_ro("operation", symbolic::operation_of,
                    "'constant', 'input', or the operation: '+', 'sqrt', ...")
       .def_prop_ro("operands", symbolic::operands_of, "Scalars that the operation is applied to.")
-      .def_prop_ro(
-          "is_constant", [](const TracedScalar& x) { return x.value.is_constant(); }, "Known number?")
-      .def_prop_ro(
-          "is_condition", [](const TracedScalar& x) { return x.value.is_condition(); },
-          "Made by a comparison?");
+      .def_prop_ro("is_constant", path<&TracedScalar::value, &Scalar::is_constant>, "Known number?")
+      .def_prop_ro("is_condition", path<&TracedScalar::value, &Scalar::is_condition>,
+                   "Made by a comparison?");
 }
 
 }  // namespace stark::bindings
