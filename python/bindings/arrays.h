@@ -31,14 +31,6 @@ using Rows = nb::ndarray<const T, nb::shape<-1, Columns>, nb::c_contig, nb::devi
 template <typename T>
 using Column = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-/// The rows of an (n, Columns) array as values of a plain type of exactly Columns numbers (Vec3,
-/// std::array<int, 4>).
-template <typename Value, typename T, long Columns>
-std::span<const Value> rows(const Rows<T, Columns>& array) {
-  static_assert(sizeof(Value) == sizeof(T) * Columns);
-  return {reinterpret_cast<const Value*>(array.data()), array.shape(0)};
-}
-
 /// str(value) of Python.
 inline std::string text(nb::handle value) { return nb::str(value).c_str(); }
 

@@ -157,6 +157,11 @@ nb::list list_of(const Range& range, Function function) {
   return list;
 }
 
+nb::object to_python(const FieldValue& value);
+/// Flags, integers, reals (NumPy scalars too), texts and rows of three; anything else becomes its text, which
+/// the descriptor then refuses by name.
+FieldValue to_field_value(nb::handle object);
+
 }  // namespace stark::bindings
 
 namespace nanobind::detail {
@@ -213,6 +218,35 @@ struct type_caster<stark::Vec3> {
   }
   static handle from_cpp(const stark::Vec3& v, rv_policy, cleanup_list*) noexcept {
     return cast(stark::bindings::to_numpy(std::vector<double>{v.x, v.y, v.z})).release();
+  }
+};
+
+template <>
+struct type_caster<stark::FieldValue> {
+  NB_TYPE_CASTER(stark::FieldValue, const_name("object"))
+  bool from_python(handle object, uint32_t, cleanup_list*) {
+    value = stark::bindings::to_field_value(object);
+    return true;
+  }
+  static handle from_cpp(const stark::FieldValue& value, rv_policy, cleanup_list*) {
+    return stark::bindings::to_python(value).release();
+  }
+};
+
+/// Dictionaries, in their order.
+template <>
+struct type_caster<stark::FieldMap> {
+  NB_TYPE_CASTER(stark::FieldMap, const_name("dict"))
+  bool from_python(handle object, uint32_t, cleanup_list*) {
+    if (!isinstance<dict>(object)) return false;
+    for (auto [name, entry] : borrow<dict>(object))
+      value.emplace_back(stark::bindings::text(name), stark::bindings::to_field_value(entry));
+    return true;
+  }
+  static handle from_cpp(const stark::FieldMap& map, rv_policy, cleanup_list*) {
+    dict result;
+    for (const auto& [name, entry] : map) result[name.c_str()] = entry;
+    return result.release();
   }
 };
 

@@ -1,7 +1,10 @@
-// Bindings of the definitions of joints and actuators. The front ends are stark/joints and stark/actuators.
+// Bindings of what is registered by name: potentials, one element at a time for tests against other programs
+// and for inspection; constitutive laws; joints and actuators. The front ends are stark/materials.py,
+// stark/joints and stark/actuators.
+#include <stark/mechanics/element_evaluation.h>
 #include <stark/sim/registry.h>
 
-#include "casters.h"
+#include "given.h"
 
 namespace stark::bindings {
 
@@ -37,9 +40,91 @@ nb::list names_of(const Definitions& definitions) {
   return list_of(definitions, [](const auto& definition) { return definition->name; });
 }
 
+PotentialDefinition linear_element(const SolidLaw& law) { return tet4(law); }
+PotentialDefinition linear_element(const ShellLaw& law) { return triangle3(law); }
+PotentialDefinition linear_element(const RodLaw& law) { return rod_segment(law); }
+
+/// Checks {name: (numbers, per_element)} against the declarations of the law; other names are not its
+/// business.
+template <typename Law>
+void check_law_values(const Law& law, nb::handle given, const std::string& owner) {
+  const ParameterValues values = parameter_values_of(given, owner);
+  for (const ParameterDeclaration& declaration : parameters_of(linear_element(law)))
+    if (const auto found = values.find(declaration.name); found != values.end())
+      check_values(owner, declaration, found->second,
+                   static_cast<int64_t>(found->second.values.size()) / declaration.width);
+}
+
+template <typename Law>
+void bind_law(nb::module_& m, const char* name, const char* doc) {
+  m.def(
+      "element_formula", [](const Law& law) { return formula_of(linear_element(law)); }, "law"_a,
+      "A law on its linear elements: tetrahedra, triangles, segments of rods.");
+  nb::class_<Law>(m, name, doc)
+      .def_ro("name", &Law::name)
+      .def_ro("doc", &Law::doc)
+      .def_prop_ro(
+          "parameters", [](const Law& law) { return parameters_of(linear_element(law)); },
+          "Rows of name, unit, rule, doc, width.")
+      .def("check", check_law_values<Law>, "values"_a, "owner"_a,
+           "Ranges of {name: (numbers, per_element)}; the number of elements is not known yet.")
+      .def("__repr__", [name](const Law& law) {
+        return std::string("<stark.materials.") + name + " '" + law.name + "'>";
+      });
+}
+
+void bind_laws(nb::module_& m) {
+  bind_law<SolidLaw>(m, "SolidLaw", "Stored energy of a solid as a formula of the deformation gradient.");
+  bind_law<ShellLaw>(m, "ShellLaw", "Stored energy of a membrane as a formula of the deformation gradient.");
+  bind_law<RodLaw>(m, "RodLaw", "Stored energy of a rod as a formula of stretch, curvature and twist.");
+  m.def("rod_laws", registered_rod_laws, "All built-in laws of rods.");
+  m.def("solid_laws", registered_solid_laws, "All built-in laws of solids.");
+  m.def("shell_laws", registered_shell_laws, "All built-in laws of membranes that are formulas of F.");
+}
+
+nb::list potential_list() {
+  return list_of(registered_potentials(), [](const PotentialDefinition& d) {
+    return dict_of("name", d.name, "points", d.point_count, "doc", d.doc);
+  });
+}
+
+std::vector<double> numbers(const nb::dict& values, const ElementInput& field) {
+  if (!values.contains(field.name.c_str()))
+    throw InvalidArgument("value '" + field.name + "' [" + field.unit + "] is missing: " + field.doc);
+  const nb::object value = values[field.name.c_str()];
+  if (field.width == 1) return {nb::cast<double>(nb::float_(value))};
+  return array_of<double>(value, field.name, std::to_string(field.width) + " numbers");
+}
+
+/// Energy [J], gradient [N] (n, 3) and Hessian [N/m] (3n, 3n) of one element.
+nb::tuple evaluate_potential(const std::string& name, nb::object x, nb::object rest, nb::object previous,
+                             const nb::dict& values) {
+  const Potential potential(find_potential(name), symbolic::Backend::Automatic);
+  const auto points = [](nb::handle given, const char* as) {
+    return array_of<Vec3>(given, as, "an (n, 3) array of positions");
+  };
+  const std::vector<Vec3> now = points(x, "x");
+  ElementEvaluation element =
+      evaluate_element(potential, now, rest.is_none() ? now : points(rest, "X"),
+                       previous.is_none() ? now : points(previous, "x_prev"),
+                       [&](const ElementInput& input) { return numbers(values, input); });
+  return nb::make_tuple(element.energy, ArrayOf{element.gradient}, ArrayOf{element.hessian});
+}
+
+void bind_potentials(nb::module_& m) {
+  m.def("potentials", potential_list, "All registered potentials: name, points, doc.");
+  m.def("evaluate_potential", evaluate_potential, "name"_a, "x"_a, "X"_a = nb::none(),
+        "x_prev"_a = nb::none(), nb::kw_only(), "values"_a,
+        "Energy [J], gradient (n, 3) [N] and Hessian (9 n^2,) [N/m], row by row, of one element of a "
+        "registered potential. `values` holds its data and parameters by name; rest and previous positions "
+        "default to x.");
+}
+
 }  // namespace
 
 void bind_definitions(nb::module_& m) {
+  bind_laws(m);
+  bind_potentials(m);
   nb::class_<JointDefinition>(m, "JointDefinition",
                               "Residuals between two frames that are held, and coordinates.")
       .def_ro("name", &JointDefinition::name)

@@ -10,7 +10,6 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 void bind_geometry(nb::module_& m);
-void bind_laws(nb::module_& m);
 void bind_settings(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_solid_mesh(nb::module_& m);
@@ -19,9 +18,8 @@ void bind_report(nb::module_& m);  ///< of steps, with the diagnosis of those th
 void bind_step_progress(nb::module_& m);
 void bind_simulation(nb::module_& m);  ///< with what it reports of contact
 void bind_io(nb::module_& m);
-void bind_potentials(nb::module_& m);
 void bind_formulas(nb::module_& m);
-void bind_definitions(nb::module_& m);  ///< of joints and actuators
+void bind_definitions(nb::module_& m);  ///< of potentials, laws, joints and actuators
 void bind_symbolic(nb::module_& m);
 
 }  // namespace stark::bindings

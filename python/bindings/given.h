@@ -10,7 +10,6 @@
 #include <stark/sim/description_fields.h>
 
 #include "casters.h"
-#include "described.h"
 
 namespace stark::bindings {
 
@@ -45,17 +44,10 @@ std::vector<Value> array_of(nb::handle object, const std::string& name, std::str
                    ? "a row of numbers"
                    : "an array of shape (m, " + std::to_string(columns) + ") of " +
                          (std::is_integral_v<Number> ? "integers (32 bits suffice)" : "real numbers");
-  const auto copied = [](const auto* data, size_t count) {
-    const auto* begin = reinterpret_cast<const Value*>(data);
-    return std::vector<Value>(begin, begin + count);
-  };
-  if constexpr (columns == 1) {
-    const auto given = array<Column<Number>>(object, name, expected);
-    return copied(given.data(), given.shape(0));
-  } else {
-    const auto given = array<Rows<Number, columns>>(object, name, expected);
-    return copied(given.data(), given.shape(0));
-  }
+  using Array = std::conditional_t<columns == 1, Column<Number>, Rows<Number, columns>>;
+  const auto given = array<Array>(object, name, expected);
+  const auto* begin = reinterpret_cast<const Value*>(given.data());
+  return {begin, begin + given.shape(0)};
 }
 
 template <typename T>

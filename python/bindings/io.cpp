@@ -3,28 +3,25 @@
 
 #include <stark/io/raster.h>
 
-#include "casters.h"
+#include "with_arrays.h"
 #include "without_gil.h"
 
 namespace stark::bindings {
 
 namespace {
 
-/// Keeps the arrays alive while the rasteriser runs without the interpreter's lock.
+/// Keeps what is drawn, also while the rasteriser runs without the interpreter's lock.
 struct Canvas {
   std::vector<RasterMesh> meshes;
-  std::vector<std::pair<Rows<double, 3>, Rows<int32_t, 3>>> arrays;
+  std::vector<std::pair<std::vector<Vec3>, std::vector<Index3>>> arrays;
   RasterSettings settings;
   RasterCamera camera;
 };
 
-void add_mesh(Canvas& canvas, nb::handle positions, nb::handle triangles, const Vec3& color,
+void add_mesh(Canvas& canvas, std::vector<Vec3>& positions, std::vector<Index3>& triangles, const Vec3& color,
               double crease_angle, bool pale_back, bool fades_out, bool outlined) {
-  auto p = array<Rows<double, 3>>(positions, "positions", "an (n, 3) array of numbers [m]");
-  auto t = array<Rows<int32_t, 3>>(triangles, "triangles", "an (m, 3) array of vertex indices");
-  canvas.meshes.push_back(
-      {rows<Vec3>(p), rows<Index3>(t), color, crease_angle, pale_back, fades_out, outlined});
-  canvas.arrays.emplace_back(std::move(p), std::move(t));
+  const auto& [p, t] = canvas.arrays.emplace_back(std::move(positions), std::move(triangles));
+  canvas.meshes.push_back({p, t, color, crease_angle, pale_back, fades_out, outlined});
 }
 
 nb::object draw(const Canvas& canvas) {
@@ -47,8 +44,11 @@ void bind_io(nb::module_& m) {
   nb::class_<Canvas> canvas(m, "Canvas",
                             "Meshes, camera and light of one picture; lengths in metres, colours sRGB.");
   canvas.def(nb::init<>())
-      .def("add_mesh", &add_mesh, "positions"_a, "triangles"_a, nb::kw_only(), "color"_a,
-           "crease_angle"_a = 0.65, "pale_back"_a = false, "fades_out"_a = false, "outlined"_a = true)
+      .def("add_mesh",
+           with_arrays<add_mesh, "positions: an (n, 3) array of numbers [m]",
+                       "triangles: an (m, 3) array of vertex indices", "color">,
+           "positions"_a, "triangles"_a, nb::kw_only(), "color"_a, "crease_angle"_a = 0.65,
+           "pale_back"_a = false, "fades_out"_a = false, "outlined"_a = true)
       .def("draw", &draw, "Picture of shape (height, width, 3), uint8 sRGB.");
   constexpr auto settings = &Canvas::settings;
   def_member<settings, &RasterSettings::width>(canvas, "width");

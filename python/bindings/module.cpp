@@ -70,14 +70,12 @@ NB_MODULE(_core, m) {
   // know who look for it in these bindings.
   nb::set_leak_warnings(std::getenv("STARK_LEAK_WARNINGS") != nullptr);
   bind_geometry(m);
-  bind_laws(m);
+  bind_definitions(m);
   bind_settings(m);
   bind_scene(m);
   bind_solid_mesh(m);
   bind_simulation(m);
   bind_io(m);
-  bind_potentials(m);
   bind_formulas(m);
-  bind_definitions(m);
   bind_symbolic(m);
 }

@@ -3,11 +3,45 @@
 #include <stark/sim/materials.h>
 #include <stark/sim/settings.h>
 
-#include "described.h"
+#include "casters.h"
 
 namespace stark::bindings {
 
 namespace {
+
+/// Rows of what can be set: name, unit, default, rule, choices, doc.
+nb::list describe(const FieldTable& table) {
+  return list_of(table.fields(), [](const Field& f) {
+    return dict_of("name", f.name, "unit", f.unit, "default", f.default_value, "rule", f.rule_text(),
+                   "choices", f.choices ? f.choices() : std::vector<std::string>(), "doc", f.doc);
+  });
+}
+
+/// The methods that every described struct has: get, set, update, to_dict, changed, copy, fields, markdown,
+/// ==.
+template <typename S>
+nb::class_<S> bind_described(nb::module_& m, const char* name, const char* doc) {
+  const auto set = [](S& s, const std::string& field, const FieldValue& value, const std::string& owner) {
+    S::fields().set(&s, field, value, owner);
+  };
+  const auto update = [](S& s, const FieldMap& values, const std::string& owner) {
+    S::fields().set_all(&s, values, owner);
+  };
+  return nb::class_<S>(m, name, doc)
+      .def(nb::init<>())
+      .def(
+          "get", [](const S& s, const std::string& field) { return S::fields().get(&s, field); }, "name"_a)
+      .def("set", set, "name"_a, "value"_a.none(), "owner"_a = "", "Checks the range, then assigns.")
+      .def("update", update, "values"_a, "owner"_a = "", "Assigns all entries, or none when one is refused.")
+      .def("to_dict", [](const S& s) { return S::fields().to_map(&s); })
+      .def("changed", [](const S& s) { return S::fields().changed_from_default(&s); })
+      .def(
+          "listing", [](const S& s) { return S::fields().listing(&s); }, "One 'name = value unit' a line.")
+      .def("copy", [](const S& s) { return S(s); })
+      .def("__eq__", [](const S& s, const S& o) { return S::fields().to_map(&s) == S::fields().to_map(&o); })
+      .def_static("fields", [] { return describe(S::fields()); })
+      .def_static("markdown", [] { return S::fields().markdown(); });
+}
 
 /// A material, and all that come with Stark.
 template <typename Material>

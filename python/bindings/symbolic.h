@@ -41,9 +41,6 @@ inline symbolic::Backend backend_of(const std::string& name) {
   return choice_of<symbolic::Backend>(name, "backend '" + name + "'");
 }
 
-/// Graphs and derivatives, and what a scalar says about its node (symbolic_graph.cpp).
-void bind_graph(nb::module_& m);
-void bind_nodes(nb::class_<TracedScalar>& c);
 /// Compiled functions of arrays (symbolic_functions.cpp).
 void bind_array_functions(nb::module_& m);
 

@@ -1,4 +1,4 @@
-#include "described.h"
+#include "casters.h"
 
 namespace stark::bindings {
 
@@ -30,13 +30,6 @@ FieldValue to_field_value(nb::handle object) {
   } catch (const std::exception&) {
   }
   return text(object);
-}
-
-nb::list describe(const FieldTable& table) {
-  return list_of(table.fields(), [](const Field& f) {
-    return dict_of("name", f.name, "unit", f.unit, "default", f.default_value, "rule", f.rule_text(),
-                   "choices", f.choices ? f.choices() : std::vector<std::string>(), "doc", f.doc);
-  });
 }
 
 }  // namespace stark::bindings
