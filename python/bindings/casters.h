@@ -52,18 +52,14 @@ decltype(auto) to_array(Result&& result) {
     return std::forward<Result>(result);
 }
 
-/// Value of a member of a part that an id names: path_of<&Scene::joint, &JointDescription::name>.
-template <auto part, auto member>
-struct PartOf;
-template <typename Part, typename Class, typename Id, Part (Class::*part)(Id) const, auto member>
-struct PartOf<part, member> {
-  static auto value(const Class& self, Id id) {
-    auto value = (self.*part)(id).*member;
+/// Value of a member of a part that an id names: path_of(&Scene::joint, &JointDescription::name).
+template <typename Part, typename Class, typename Id, typename Owner, typename Value>
+auto path_of(Part (Class::*part)(Id) const, Value Owner::* member) {
+  return [=](const Class& self, Id id) {
+    Value value = (self.*part)(id).*member;
     return to_array(std::move(value));
-  }
-};
-template <auto part, auto member>
-constexpr auto path_of = &PartOf<part, member>::value;
+  };
+}
 
 /// How many members a plain struct has that is a tuple of them in Python.
 template <typename T>

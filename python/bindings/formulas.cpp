@@ -32,16 +32,12 @@ nb::list traced(const Builder& builder, std::span<const symbolic::Scalar> values
 nb::list traced(const Builder& builder, const symbolic::Vec3& values) { return traced(builder, values.v); }
 
 /// A method of the builder.
-template <auto method>
-struct Recorded;
-template <typename Result, typename... Args, Result (PotentialBuilder::*method)(Args...)>
-struct Recorded<method> {
-  static auto call(const Builder& builder, Args... args) {
+template <typename Result, typename... Args>
+auto recorded(Result (PotentialBuilder::*method)(Args...)) {
+  return [=](const Builder& builder, Args... args) {
     return traced(builder, ((*builder.inputs).*method)(args...));
-  }
-};
-template <auto method>
-constexpr auto recorded = &Recorded<method>::call;
+  };
+}
 
 /// `is_energy`: of elements in a scene, which have sums over all of them.
 Formula finish(const Builder& builder, nb::handle outputs, bool is_energy) {
@@ -111,12 +107,12 @@ nb::dict statistics(const Formula& formula, const std::string& backend) {
 void bind_formulas(nb::module_& m) {
   nb::class_<Builder>(m, "FormulaBuilder", "Inputs of a formula of n points while it is being written.")
       .def(nb::init<int>())
-      .def("x", recorded<&PotentialBuilder::x>, "Unknown position [m].")
-      .def("X", recorded<&PotentialBuilder::X>, "Rest position [m].")
-      .def("x_prev", recorded<&PotentialBuilder::x_prev>, "Position at the start of the step [m].")
-      .def("x_initial", recorded<&PotentialBuilder::x_initial>, "Position in the world at time 0 [m].")
-      .def("time_step", recorded<&PotentialBuilder::time_step>, "[s]")
-      .def("time", recorded<&PotentialBuilder::time>, "At the end of the step [s].")
+      .def("x", recorded(&PotentialBuilder::x), "Unknown position [m].")
+      .def("X", recorded(&PotentialBuilder::X), "Rest position [m].")
+      .def("x_prev", recorded(&PotentialBuilder::x_prev), "Position at the start of the step [m].")
+      .def("x_initial", recorded(&PotentialBuilder::x_initial), "Position in the world at time 0 [m].")
+      .def("time_step", recorded(&PotentialBuilder::time_step), "[s]")
+      .def("time", recorded(&PotentialBuilder::time), "At the end of the step [s].")
       .def(
           "parameter",
           [](const Builder& b, const std::string& name, int width, const std::string& unit,
@@ -127,9 +123,9 @@ void bind_formulas(nb::module_& m) {
           },
           "name"_a, "width"_a, "unit"_a, "doc"_a, "range"_a,
           "Input shared by all elements or given for each; range is (low, high, low_open, high_open).")
-      .def("data", recorded<&PotentialBuilder::data_array>, "name"_a, "width"_a, "unit"_a, "doc"_a,
+      .def("data", recorded(&PotentialBuilder::data_array), "name"_a, "width"_a, "unit"_a, "doc"_a,
            "Input given for each element.")
-      .def("internal", recorded<&PotentialBuilder::internal>, "name"_a, "initial"_a, "unit"_a, "doc"_a,
+      .def("internal", recorded(&PotentialBuilder::internal), "name"_a, "initial"_a, "unit"_a, "doc"_a,
            "Internal variable of each element, with its value at time 0; later outputs of the formula update "
            "it.")
       .def(

@@ -16,17 +16,12 @@ using Bodies = std::vector<BodyId>;
 std::string quoted(const Scene& s, BodyId body) { return "'" + s.name(body) + "'"; }
 
 /// A function of a body and an array: errors name both.
-template <auto give, Text name, Text expected>
-struct Giving;
-template <typename List, void (Scene::*give)(BodyId, List), Text name, Text expected>
-struct Giving<give, name, expected> {
-  static void call(Scene& s, BodyId body, nb::handle given) {
-    using Array = typename Kept<List>::type;
-    (s.*give)(body, read<Array>(given, quoted(s, body) + ": " + name.characters, expected.characters));
-  }
-};
-template <auto give, Text name, Text expected>
-constexpr auto giving = &Giving<give, name, expected>::call;
+template <typename List>
+auto giving(void (Scene::*give)(BodyId, List), const char* name, const char* expected = "") {
+  return [=](Scene& s, BodyId body, nb::handle given) {
+    (s.*give)(body, read<typename Kept<List>::type>(given, quoted(s, body) + ": " + name, expected));
+  };
+}
 
 /// Fields of a rest state by name: (numbers, per_element).
 template <auto function, typename SceneReference>
@@ -42,11 +37,9 @@ void for_each_pair_of(Scene& scene, const Bodies& a, const Bodies& b) {
       if (i != j) (scene.*action)(i, j);
 }
 
-constexpr auto kFibres = static_cast<const FibresDescription& (Scene::*)(FibresId) const>(&Scene::fibres);
-
-template <auto layer, typename Id>
-double layer_mass(const Scene& scene, Id k) {
-  return total_mass(scene, (scene.*layer)(k));
+template <typename Layer, typename Id>
+auto layer_mass(const Layer& (Scene::*layer)(Id) const) {
+  return [=](const Scene& scene, Id k) { return total_mass(scene, (scene.*layer)(k)); };
 }
 
 void bind_bodies(nb::class_<Scene>& c) {
@@ -57,12 +50,12 @@ void bind_bodies(nb::class_<Scene>& c) {
       .def("set_rest_state", with_rest_state<&Scene::set_rest_state, Scene>, "body"_a, "values"_a,
            "Fields of a rest state by name: (numbers, True).")
       .def("check_rest_state", with_rest_state<&Scene::check_rest_state, const Scene>, "body"_a, "values"_a)
-      .def("clamp", giving<&Scene::clamp, "clamped nodes", "a row of indices">, "body"_a, "nodes"_a)
-      .def("clamped", path_of<&Scene::pins, &Pins::clamped>, "body"_a)
+      .def("clamp", giving(&Scene::clamp, "clamped nodes", "a row of indices"), "body"_a, "nodes"_a)
+      .def("clamped", path_of(&Scene::pins, &Pins::clamped), "body"_a)
       .def("initial_frames", with_arrays<&Scene::initial_frames>, "body"_a,
            "Frames of the nodes of a rod at time 0 (n, 3, 3).")
-      .def("pin", giving<&Scene::pin, "pinned vertices", "a row of vertex indices">, "body"_a, "vertices"_a)
-      .def("pins", path_of<&Scene::pins, &Pins::vertices>, "body"_a);
+      .def("pin", giving(&Scene::pin, "pinned vertices", "a row of vertex indices"), "body"_a, "vertices"_a)
+      .def("pins", path_of(&Scene::pins, &Pins::vertices), "body"_a);
 }
 
 void bind_friction(nb::class_<Scene>& c) {
@@ -87,8 +80,8 @@ void bind_friction(nb::class_<Scene>& c) {
           "a"_a, "b"_a, "Static and kinetic coefficient and their shares along and across the direction.")
       .def("set_restitution", &Scene::set_restitution, "a"_a, "b"_a, "coefficient"_a)
       .def("restitution", &Scene::restitution, "a"_a, "b"_a, "Coefficient of a pair, None where it has none.")
-      .def("set_surface_directions", giving<&Scene::set_surface_directions, "surface_direction", "">,
-           "body"_a, "directions"_a)
+      .def("set_surface_directions", giving(&Scene::set_surface_directions, "surface_direction"), "body"_a,
+           "directions"_a)
       .def("surface_directions", with_arrays<&Scene::surface_directions>, "body"_a)
       .def(
           "set_surface_motion",
@@ -112,8 +105,8 @@ void bind_contact(nb::class_<Scene>& c) {
       .def("contact_enabled", &Scene::contact_enabled, "a"_a, "b"_a)
       .def("contact_possible", &Scene::contact_possible, "a"_a, "b"_a)
       .def("meeting_matters", &Scene::meeting_matters, "a"_a, "b"_a)
-      .def("joint_contact", path_of<&Scene::joint, &JointDescription::contact>, "joint"_a)
-      .def("attachment_contact", path_of<&Scene::attachment, &AttachmentDescription::contact>,
+      .def("joint_contact", path_of(&Scene::joint, &JointDescription::contact), "joint"_a)
+      .def("attachment_contact", path_of(&Scene::attachment, &AttachmentDescription::contact),
            "attachment"_a);
 }
 
@@ -149,19 +142,19 @@ void bind_description(nb::class_<Scene>& c) {
 void bind_actions(nb::class_<Scene>& c) {
   c.def("add_energy", adding(&Scene::add_energy, "energy"), "description"_a,
         "Adds an energy of the user's own; returns its index.")
-      .def("energy_name", path_of<&Scene::energy, &EnergyDescription::name>, "energy"_a)
+      .def("energy_name", path_of(&Scene::energy, &EnergyDescription::name), "energy"_a)
       .def("add_joint", adding(&Scene::add_joint, "joint"), "description"_a,
            "Adds a joint; returns its index.")
-      .def("joint_name", path_of<&Scene::joint, &JointDescription::name>, "joint"_a)
+      .def("joint_name", path_of(&Scene::joint, &JointDescription::name), "joint"_a)
       .def("add_actuator", adding(&Scene::add_actuator, "actuator"), "description"_a,
            "Adds an actuator; returns its index.")
-      .def("actuator_name", path_of<&Scene::actuator, &ActuatorDescription::name>, "actuator"_a)
+      .def("actuator_name", path_of(&Scene::actuator, &ActuatorDescription::name), "actuator"_a)
       .def(
           "actuator_value",
           [](const Scene& s, ActuatorId k, const std::string& name) { return s.actuator(k).values.at(name); },
           "actuator"_a, "name"_a)
       .def("set_actuator_value", &Scene::set_actuator_value, "actuator"_a, "name"_a, "value"_a)
-      .def("actuator_enabled", path_of<&Scene::actuator, &ActuatorDescription::enabled>, "actuator"_a)
+      .def("actuator_enabled", path_of(&Scene::actuator, &ActuatorDescription::enabled), "actuator"_a)
       .def("set_actuator_enabled", &Scene::set_actuator_enabled, "actuator"_a, "enabled"_a)
       .def_prop_ro("warnings", &Scene::warnings)
       .def("contact_distance_in", contact_distance, "body"_a, "settings"_a)
@@ -169,7 +162,7 @@ void bind_actions(nb::class_<Scene>& c) {
       .def("check_units", check_units, "settings"_a)
       .def("add_attachment", adding(&Scene::add_attachment, "attachment"), "description"_a,
            "Glues points; returns the index.")
-      .def("attachment_name", path_of<&Scene::attachment, &AttachmentDescription::name>, "attachment"_a);
+      .def("attachment_name", path_of(&Scene::attachment, &AttachmentDescription::name), "attachment"_a);
 }
 
 void bind_layers(nb::class_<Scene>& c) {
@@ -177,10 +170,10 @@ void bind_layers(nb::class_<Scene>& c) {
         "Adds a skin; returns its index.")
       .def("add_fibres", adding(&Scene::add_fibres, "fibres"), "description"_a, "material"_a,
            "Adds fibres; returns their index.")
-      .def("skin_name", path_of<&Scene::skin, &SkinDescription::name>, "skin"_a)
-      .def("fibres_name", path_of<kFibres, &FibresDescription::name>, "fibres"_a)
-      .def("skin_mass", layer_mass<&Scene::skin, SkinId>, "skin"_a)
-      .def("fibres_mass", layer_mass<kFibres, FibresId>, "fibres"_a)
+      .def("skin_name", path_of(&Scene::skin, &SkinDescription::name), "skin"_a)
+      .def("fibres_name", path_of(&Scene::fibres, &FibresDescription::name), "fibres"_a)
+      .def("skin_mass", layer_mass(&Scene::skin), "skin"_a)
+      .def("fibres_mass", layer_mass(&Scene::fibres), "fibres"_a)
       .def("mass", nb::overload_cast<const Scene&, BodyId>(&total_mass), "body"_a,
            "Of a body with all of its layers [kg].")
       .def(

@@ -116,14 +116,12 @@ constexpr auto both = [](const Simulation& s, BodyId body) {
 };
 
 /// Sets numbers by name, which errors tell.
-template <auto set>
-struct SettingNumbers;
-template <typename Id, void (Simulation::*set)(Id, const std::string&, std::span<const double>)>
-struct SettingNumbers<set> {
-  static void call(Simulation& s, Id id, const std::string& name, nb::handle numbers) {
+template <typename Id>
+auto setting_numbers(void (Simulation::*set)(Id, const std::string&, std::span<const double>)) {
+  return [=](Simulation& s, Id id, const std::string& name, nb::handle numbers) {
     (s.*set)(id, name, array_of<double>(numbers, name, "a flat array of numbers"));
-  }
-};
+  };
+}
 
 /// How many of a kind the scene has.
 template <auto parts>
@@ -182,19 +180,17 @@ void bind_bodies(nb::class_<Simulation>& c) {
       .def("set_clamp_targets",
            with_arrays<&Simulation::set_clamp_targets, "targets: an (n, 9) array of rotations">, "body"_a,
            "targets"_a, "duration"_a = nb::none())
-      .def("set_rest_state", &SettingNumbers<&Simulation::set_rest_state>::call, "body"_a, "name"_a,
-           "values"_a);
+      .def("set_rest_state", setting_numbers(&Simulation::set_rest_state), "body"_a, "name"_a, "values"_a);
 }
 
 void bind_energies_and_joints(nb::class_<Simulation>& c) {
-  c.def("set_energy_value", &SettingNumbers<&Simulation::set_energy_value>::call, "energy"_a, "name"_a,
-        "values"_a)
+  c.def("set_energy_value", setting_numbers(&Simulation::set_energy_value), "energy"_a, "name"_a, "values"_a)
       .def("element_energies", with_arrays<&Simulation::element_energies>, "energy"_a,
            "Energies of its elements (n,) [J].")
       .def("element_forces", with_arrays<&Simulation::element_forces>, "energy"_a,
            "Forces on the points of its elements in the last step (n * points, 3) [N].")
-      .def("energy_totals", path_of<&Simulation::energy_plane, &TouchingPlane::totals>, "energy"_a)
-      .def("energy_slopes", path_of<&Simulation::energy_plane, &TouchingPlane::slopes>, "energy"_a,
+      .def("energy_totals", path_of(&Simulation::energy_plane, &TouchingPlane::totals), "energy"_a)
+      .def("energy_slopes", path_of(&Simulation::energy_plane, &TouchingPlane::slopes), "energy"_a,
            "Derivatives of an energy by its totals.")
       .def("pin_forces", with_arrays<&Simulation::pin_forces>, "body"_a,
            "Forces that hold the pins in the last step (k, 3) [N].")
