@@ -72,23 +72,21 @@ void def_classify(nb::module_& m, const char* name, auto type_of, auto squared_d
         "Closest features (type numbers), squared distances and weights, one stencil a row.");
 }
 
-template <size_t vertices>
+using Points4 = std::array<Vec3, 4>;
 void def_ccd(nb::module_& m, const char* name,
-             double (*function)(const std::array<Vec3, vertices>&, const std::array<Vec3, vertices>&, double,
-                                const CcdSettings&)) {
-  m.def(
-      name,
-      [function](nb::handle start, nb::handle end, double min_separation, double time_margin) {
-        const auto x0 = stencils<vertices>(start, "x0"), x1 = stencils<vertices>(end, "x1");
-        if (x0.size() != x1.size()) throw InvalidArgument("x0 and x1 have different numbers of rows");
-        CcdSettings settings;
-        settings.time_margin = time_margin;
-        std::vector<double> steps(x0.size());
-        for (size_t k = 0; k < x0.size(); ++k) steps[k] = function(x0[k], x1[k], min_separation, settings);
-        return ArrayOf{steps};
-      },
-      "x0"_a, "x1"_a, "min_separation"_a = 0.0, "time_margin"_a = CcdSettings{}.time_margin,
-      "Safe fraction of the linear motion x0 -> x1 for each row of vertex coordinates.");
+             double (*ccd)(const Points4&, const Points4&, double, const CcdSettings&)) {
+  const auto safe_fractions = [ccd](nb::handle start, nb::handle end, double min_separation, double margin) {
+    const auto x0 = stencils<4>(start, "x0"), x1 = stencils<4>(end, "x1");
+    if (x0.size() != x1.size()) throw InvalidArgument("x0 and x1 have different numbers of rows");
+    CcdSettings settings;
+    settings.time_margin = margin;
+    std::vector<double> steps(x0.size());
+    for (size_t k = 0; k < x0.size(); ++k) steps[k] = ccd(x0[k], x1[k], min_separation, settings);
+    return ArrayOf{steps};
+  };
+  m.def(name, safe_fractions, "x0"_a, "x1"_a, "min_separation"_a = 0.0,
+        "time_margin"_a = CcdSettings{}.time_margin,
+        "Safe fraction of the linear motion x0 -> x1 for each row of vertex coordinates.");
 }
 
 nb::dict find_pairs(CollisionSet& set, std::span<const Vec3> x0, std::span<const Vec3> x1,
@@ -149,12 +147,6 @@ std::vector<uint8_t> locate_points(const std::vector<Vec3>& points, const std::v
   return locations;
 }
 
-std::vector<uint8_t> segment_hits(const std::vector<std::array<Vec3, 5>>& stencils) {
-  std::vector<uint8_t> hits;
-  for (const auto& points : stencils) hits.push_back(std::apply(segment_intersects_triangle, points));
-  return hits;
-}
-
 void bind_topology(nb::module_& m) {
   using EdgesOfTriangles = std::vector<Index2> (*)(std::span<const Index3>);
   using EdgesOfTets = std::vector<Index2> (*)(std::span<const Index4>);
@@ -177,9 +169,6 @@ void bind_topology(nb::module_& m) {
   m.def("compute_solid_mass_properties",
         with_arrays<of_mesh<compute_solid_mass_properties, double>, kVertices, kTriangles>, "vertices"_a,
         "triangles"_a, "density"_a);
-  m.def("compute_shell_mass_properties",
-        with_arrays<of_mesh<compute_shell_mass_properties, double>, kVertices, kTriangles>, "vertices"_a,
-        "triangles"_a, "area_density"_a);
   m.def("compute_principal_axes", with_arrays<compute_principal_axes, "matrix: a symmetric (3, 3) array">,
         "matrix"_a);
 }
@@ -192,14 +181,8 @@ void bind_distances(nb::module_& m) {
   def_classify<3>(m, "classify_point_edge", point_edge_type, point_edge, point_edge_weights);
   def_classify<4>(m, "classify_point_triangle", point_triangle_type, point_triangle, point_triangle_weights);
   def_classify<4>(m, "classify_edge_edge", edge_edge_type, edge_edge, edge_edge_weights);
-  def_ccd<2>(m, "point_point_ccd", point_point_ccd);
-  def_ccd<3>(m, "point_edge_ccd", point_edge_ccd);
-  def_ccd<4>(m, "point_triangle_ccd", point_triangle_ccd);
-  def_ccd<4>(m, "edge_edge_ccd", edge_edge_ccd);
-  m.def("orient3d", orient3d, "a"_a, "b"_a, "c"_a, "d"_a);
-  m.def("segment_intersects_triangle",
-        with_arrays<segment_hits, "stencils?: an (n, 15) array of numbers [m]: 5 points a row">, "stencils"_a,
-        "1 where the segment (first two points of the row) meets the triangle (the other three).");
+  def_ccd(m, "point_triangle_ccd", point_triangle_ccd);
+  def_ccd(m, "edge_edge_ccd", edge_edge_ccd);
   m.def("locate_points",
         with_arrays<locate_points, "points?: an (n, 3) array of numbers [m]", kVertices, kTriangles>,
         "points"_a, "vertices"_a, "triangles"_a, "0 outside, 1 inside, 2 on the closed surface.");

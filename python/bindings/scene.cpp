@@ -23,6 +23,12 @@ auto giving(void (Scene::*give)(BodyId, List), const char* name, const char* exp
   };
 }
 
+/// A function of two bodies and a struct, which is given by its numbers.
+template <typename... Numbers, typename Struct>
+auto of_numbers(void (Scene::*set)(BodyId, BodyId, const Struct&)) {
+  return [=](Scene& s, BodyId a, BodyId b, Numbers... numbers) { (s.*set)(a, b, Struct{numbers...}); };
+}
+
 /// Fields of a rest state by name: (numbers, per_element).
 template <auto function, typename SceneReference>
 void with_rest_state(SceneReference& s, BodyId body, nb::handle given) {
@@ -59,18 +65,10 @@ void bind_bodies(nb::class_<Scene>& c) {
 }
 
 void bind_friction(nb::class_<Scene>& c) {
-  c.def(
-       "set_friction",
-       [](Scene& s, BodyId a, BodyId b, double sticking, double sliding) {
-         s.set_friction(a, b, {sticking, sliding});
-       },
-       "a"_a, "b"_a, "sticking"_a, "sliding"_a)
-      .def(
-          "set_anisotropic_friction",
-          [](Scene& s, BodyId a, BodyId b, double along, double across, double kinetic) {
-            s.set_anisotropic_friction(a, b, {along, across, kinetic});
-          },
-          "a"_a, "b"_a, "along"_a, "across"_a, "kinetic"_a)
+  c.def("set_friction", of_numbers<double, double>(&Scene::set_friction), "a"_a, "b"_a, "sticking"_a,
+        "sliding"_a)
+      .def("set_anisotropic_friction", of_numbers<double, double, double>(&Scene::set_anisotropic_friction),
+           "a"_a, "b"_a, "along"_a, "across"_a, "kinetic"_a)
       .def(
           "friction",
           [](const Scene& s, BodyId a, BodyId b) {

@@ -19,14 +19,15 @@ namespace {
 
 using AnyArray = nb::ndarray<const double, nb::device::cpu>;
 using Shape = std::vector<int64_t>;
+/// Name, scalars, whether it is differentiated.
+using Argument = std::tuple<std::string, nb::object, bool>;
 
-/// Arguments are (name, scalars, differentiated).
-ArrayFunction compile_arrays(nb::handle outputs, nb::handle arguments, const std::string& backend) {
+ArrayFunction compile_arrays(nb::handle outputs, const std::vector<Argument>& arguments,
+                             const std::string& backend) {
   std::vector<Scalar> values;
   for (const TracedScalar& y : require_traced_list(outputs, "outputs")) values.push_back(y.value);
   std::vector<symbolic::ArrayArgument> inputs;
-  for (const nb::handle item : arguments) {
-    const auto [name, scalars, differentiated] = nb::cast<std::tuple<std::string, nb::object, bool>>(item);
+  for (const auto& [name, scalars, differentiated] : arguments) {
     symbolic::ArrayArgument& argument = inputs.emplace_back();
     argument.name = name;
     argument.differentiated = differentiated;
@@ -78,8 +79,6 @@ nb::dict statistics(const ArrayFunction& f, Order order) {
 void bind_array_functions(nb::module_& m) {
   nb::class_<ArrayFunction>(m, "ArrayFunction",
                             "Compiled values and derivatives of expressions over batches.")
-      .def_prop_ro("output_count", &ArrayFunction::output_count)
-      .def_prop_ro("variable_count", &ArrayFunction::variable_count)
       .def_prop_ro("backend", &ArrayFunction::backend)
       .def("uses", &ArrayFunction::uses, "argument"_a, "Whether the outputs depend on an argument.")
       .def("evaluate", evaluate, "order"_a, "with_values"_a, "with_first"_a, "arrays"_a, "own_shapes"_a,
