@@ -13,13 +13,24 @@ PointKind read(nb::handle kind, const std::string& name, const std::string&) {
 
 template <>
 PointSet read(nb::handle entries, const std::string&, const std::string&) {
-  return Given(entries, "points").description<PointSet>();
+  const Given given(entries, "points");
+  const auto points = given.description<PointSet>();
+  given.require("kind");
+  if (points.kind == PointKind::Embedded)
+    given.require("supports", "weights");
+  else
+    given.require(points.kind == PointKind::Vertices ? "vertices"
+                  : points.kind == PointKind::Joined ? "parts"
+                                                     : "local");
+  return points;
 }
 
 template <>
 FrameDescription read(nb::handle entries, const std::string&, const std::string&) {
   const Given given(entries, "frame");
   auto frame = given.description<FrameDescription>();
+  given.require("carrier", "rotation");
+  if (frame.carrier == FrameDescription::Carrier::Patch) given.require("vertices");
   if (const nb::object node = given.find("node")) frame.vertices = {nb::cast<int32_t>(node), -1, -1};
   return frame;
 }

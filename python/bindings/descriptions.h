@@ -40,11 +40,13 @@ void read_rest(const Given& given, FibresDescription& fibres);
 /// "formula_name", "doc", "formula", "translation_invariant"
 void read_rest(const Given& given, EnergyDescription& energy);
 
-/// Adds what a dictionary describes, of a material where it has one. `kind` is what messages call it.
+/// Adds what a dictionary describes, of a material where it has one. `kind` is what messages call it; the
+/// keys must be there.
 template <typename Id, typename Description>
-auto adding(Id (Scene::*add)(Description), const char* kind) {
-  const auto read_all = [kind](nb::handle entries) {
+auto adding(Id (Scene::*add)(Description), const char* kind, auto... keys) {
+  const auto read_all = [=](nb::handle entries) {
     const Given given(entries, kind);
+    given.require(keys...);
     auto description = given.description<Description>();
     read_rest(given, description);
     return description;

@@ -111,6 +111,7 @@ class Given {
   }
   /// Throws KeyError where it is missing.
   nb::object operator[](const char* key) const { return entries_[key]; }
+  void require(const auto&... keys) const { (static_cast<void>((*this)[keys]), ...); }
   template <typename T>
   void read(const char* key, T& out, const char* expected = "") const {
     if (const nb::object entry = find(key)) out = bindings::read<T>(entry, owner_ + ": " + key, expected);

@@ -138,13 +138,13 @@ void bind_description(nb::class_<Scene>& c) {
 }
 
 void bind_actions(nb::class_<Scene>& c) {
-  c.def("add_energy", adding(&Scene::add_energy, "energy"), "description"_a,
+  c.def("add_energy", adding(&Scene::add_energy, "energy", "formula_name", "doc", "points"), "description"_a,
         "Adds an energy of the user's own; returns its index.")
       .def("energy_name", path_of(&Scene::energy, &EnergyDescription::name), "energy"_a)
-      .def("add_joint", adding(&Scene::add_joint, "joint"), "description"_a,
+      .def("add_joint", adding(&Scene::add_joint, "joint", "a", "b"), "description"_a,
            "Adds a joint; returns its index.")
       .def("joint_name", path_of(&Scene::joint, &JointDescription::name), "joint"_a)
-      .def("add_actuator", adding(&Scene::add_actuator, "actuator"), "description"_a,
+      .def("add_actuator", adding(&Scene::add_actuator, "actuator", "on"), "description"_a,
            "Adds an actuator; returns its index.")
       .def("actuator_name", path_of(&Scene::actuator, &ActuatorDescription::name), "actuator"_a)
       .def(
@@ -158,7 +158,7 @@ void bind_actions(nb::class_<Scene>& c) {
       .def("contact_distance_in", contact_distance, "body"_a, "settings"_a)
       .def("check_contact_distances", check_contact_distances, "settings"_a)
       .def("check_units", check_units, "settings"_a)
-      .def("add_attachment", adding(&Scene::add_attachment, "attachment"), "description"_a,
+      .def("add_attachment", adding(&Scene::add_attachment, "attachment", "a", "b"), "description"_a,
            "Glues points; returns the index.")
       .def("attachment_name", path_of(&Scene::attachment, &AttachmentDescription::name), "attachment"_a);
 }
@@ -166,8 +166,8 @@ void bind_actions(nb::class_<Scene>& c) {
 void bind_layers(nb::class_<Scene>& c) {
   c.def("add_skin", adding(&Scene::add_skin, "skin"), "description"_a, "material"_a,
         "Adds a skin; returns its index.")
-      .def("add_fibres", adding(&Scene::add_fibres, "fibres"), "description"_a, "material"_a,
-           "Adds fibres; returns their index.")
+      .def("add_fibres", adding(&Scene::add_fibres, "fibres", "vertices", "counts"), "description"_a,
+           "material"_a, "Adds fibres; returns their index.")
       .def("skin_name", path_of(&Scene::skin, &SkinDescription::name), "skin"_a)
       .def("fibres_name", path_of(&Scene::fibres, &FibresDescription::name), "fibres"_a)
       .def("skin_mass", layer_mass(&Scene::skin), "skin"_a)

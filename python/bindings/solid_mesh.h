@@ -32,6 +32,7 @@ inline void read_elements(nb::handle object, const std::string& name, SolidMesh&
 /// What a solid carries along, from the keys "cells" (k,), "triangles" (m, 3) and "filling" (elements, 7).
 inline Embedding embedding_of(nb::handle entries, const std::string& owner) {
   const Given given(entries, owner);
+  given.require("cells", "triangles", "filling");
   Embedding embedding;
   given.read("cells", embedding.elements, "an array of shape (k,)");
   given.read("triangles", embedding.triangles, "an array of shape (m, 3)");
