@@ -109,6 +109,14 @@ nb::dict contact_dict(const Simulation& sim) {
   return dict;
 }
 
+nb::dict variable_dict(Simulation& sim, BodyId body) {
+  nb::dict found;
+  for (InternalVariable& variable : sim.internal_variables(body))
+    found[variable.name.c_str()] =
+        nb::make_tuple(variable.points, variable.width, ArrayOf{std::move(variable.values)});
+  return found;
+}
+
 /// Two answers about a body as a pair.
 template <auto first, auto second>
 constexpr auto both = [](const Simulation& s, BodyId body) {
@@ -192,6 +200,10 @@ void bind_energies_and_joints(nb::class_<Simulation>& c) {
       .def("energy_totals", path_of(&Simulation::energy_plane, &TouchingPlane::totals), "energy"_a)
       .def("energy_slopes", path_of(&Simulation::energy_plane, &TouchingPlane::slopes), "energy"_a,
            "Derivatives of an energy by its totals.")
+      .def("mean_stresses", with_arrays<&Simulation::mean_stresses>, "body"_a,
+           "Cauchy stress of each element (m, 3, 3) [Pa], of cloth times the thickness [N/m].")
+      .def("internal_variables", &variable_dict, "body"_a,
+           "By name: quadrature points of an element, numbers of a value, all numbers.")
       .def("pin_forces", with_arrays<&Simulation::pin_forces>, "body"_a,
            "Forces that hold the pins in the last step (k, 3) [N].")
       .def("clamp_torques", with_arrays<&Simulation::clamp_torques>, "body"_a,

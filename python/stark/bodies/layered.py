@@ -16,6 +16,7 @@ from stark.bodies.layers import Fibres, Layer, Skin
 from stark.bodies.rest_state import ActiveFibres
 from stark.materials import RodMaterial, ShellMaterial, steel_wire
 from stark.mesh import Indices
+from stark.readings import named_readings, reading
 
 Floats = NDArray[np.float64]
 
@@ -105,9 +106,27 @@ class LayeredBody(DeformableBody, ActiveFibres):
         return fibres
 
     @property
+    def internal_variables(self) -> dict[str, Floats]:
+        """What the law of its elements remembers, of cloth that of the membrane, by name: (m, k) of numbers,
+        (m, k, n) of vectors, (m, k, 3, 3) of matrices of three rows, in the elements of the mesh at their k
+        quadrature points; k = 1 where the strain is constant. Empty where it remembers nothing. Between steps
+        those of the present state (docs/inelastic.md)."""
+        found = self._require_simulation("internal_variables")._core.internal_variables(self._index)
+        arrays = {
+            name: reading(_shaped(numbers, points, width), self, f"internal_variables['{name}']")
+            for name, (points, width, numbers) in found.items()
+        }
+        return named_readings(arrays, self, "internal_variables")
+
+    @property
     def layers(self) -> tuple[Layer, ...]:
         """Its skins and fibres, in the order of adding."""
         return tuple(layer._on(self) for layer in self._scene._layers if layer._body == self)
+
+
+def _shaped(numbers: Floats, points: int, width: int) -> Floats:
+    of_value = {1: (), 9: (3, 3)}.get(width, (width,))
+    return numbers.reshape(-1, points, *of_value)
 
 
 def _owner(kind: str, body: Body, name: Any, material: Any, wanted: type[Any], example: str) -> str:

@@ -57,7 +57,7 @@ def check_points(points: Any, owner: str) -> Points:
 def stiffness_of(points: Points, owner: str) -> float:
     """[N/m] of the support of a point: a thousand times that of a cell of its body."""
     body: Any = points.body
-    modulus = getattr(getattr(body, "material", None), "youngs_modulus", None)
+    modulus = _modulus(getattr(body, "material", None))
     if not isinstance(body, (Cloth, Solid)) or modulus is None:
         raise InvalidArgument(
             f"{owner}: {body!r} has no Young's modulus that says how stiff the support has to be; give "
@@ -65,6 +65,14 @@ def stiffness_of(points: Points, owner: str) -> float:
         )
     size = body.material.thickness if isinstance(body, Cloth) else _cell_size(body)
     return _STIFF * float(np.max(modulus)) * float(size)
+
+
+def _modulus(material: Any) -> Any:
+    """Young's modulus [Pa], 9 K G/(3 K + G) also of a bulk and a shear modulus; None where there is none."""
+    if all(hasattr(material, name) for name in ("shear_modulus", "bulk_modulus")):
+        G, K = np.asarray(material.shear_modulus), np.asarray(material.bulk_modulus)
+        return 9.0 * K * G / (3.0 * K + G)
+    return getattr(material, "youngs_modulus", None)
 
 
 def _cell_size(solid: Solid) -> float:

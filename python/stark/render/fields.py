@@ -40,14 +40,17 @@ def field_values(sim: Any, name: str, bodies: Any = None) -> dict[str, np.ndarra
     - "pressure" [Pa]: normal contact force over area, ``body.contact_pressure()``; all but rods.
     - "strain" [1]: largest change of a principal stretch, max abs(s_i - 1); cloth, solids, rods.
     - "stress" [Pa]: von Mises stress (Cauchy), of rods axial force over area; cloth, solids, rods.
+    - "plastic_strain" [1]: equivalent plastic strain, of cloth in its plane; cloth and solids, 0 of what
+      does not yield.
 
     Strains and stresses are means over the elements at a vertex. Stresses are those of the constitutive law
     and of limits of Green strain, without damping; cloth has them in its middle surface (its bending is left
     out), with the thickness at rest. Skins and fibres are not counted. Growth and thermal expansion are
-    strains, counted from the mesh, but free of stress; muscles have their active stress.
+    strains, counted from the mesh, but free of stress; muscles have their active stress. Materials that yield
+    or relax have the stress that their internal variables leave, the mean over each element.
 
-    Raises InvalidArgument for fields that are unknown, and for the stress of laws with internal variables,
-    those that yield and relax."""
+    Raises InvalidArgument for fields that are unknown, and for the stress of rods that yield or have a law of
+    their own."""
     kind = _known(name)
     every = list(sim.bodies)
     indices = range(len(every)) if bodies is None else matching(bodies, [b.name for b in every], "bodies")
@@ -178,15 +181,39 @@ def _stress(body: Any) -> np.ndarray:
     return von_mises(at_body(body, *body_stress(body)))
 
 
+def _plastic_strain(body: Any) -> np.ndarray:
+    known, deformation = body.internal_variables, of_body(body)
+    if "plastic_work" in known:  # of sheets, as without hardening
+        limit = np.asarray(body._shared["material"].yield_stress, dtype=np.float64).reshape(-1, 1)
+        values = known["plastic_work"] / limit
+    else:
+        values = known.get("plastic_strain", np.zeros((len(deformation.elements), 1)))
+    return at_body(body, deformation, values.mean(axis=1, keepdims=True))
+
+
 def body_stress(body: Any) -> tuple[Deformation, np.ndarray]:
-    """Of a cloth or a solid: its deformation, and the Cauchy stress in its elements (m, k, 3, 3) [Pa]."""
+    """Of a cloth or a solid: its deformation, and the Cauchy stress in its elements (m, k, 3, 3) [Pa]; k = 1
+    where the material remembers."""
+    from .laws import stress_follows_from_strain
+
     material = body._shared["material"]
     deformation = of_body(body, material._fields.get("warp_direction"))
-    elastic = deformation._replace(gradients=beyond_rest(body, deformation.gradients))
-    cauchy = cauchy_stress(material, elastic, body.name)
+    if stress_follows_from_strain(material, row_of(body).is_sheet):
+        elastic = deformation._replace(gradients=beyond_rest(body, deformation.gradients))
+        cauchy = cauchy_stress(material, elastic, body.name)
+    else:
+        cauchy = _mean_stress(body, material)
     if body.active_stress.any():
         cauchy = cauchy + _active_stress(body, deformation.gradients)
     return deformation, cauchy
+
+
+def _mean_stress(body: Any, material: Any) -> np.ndarray:
+    """Of elements (m, 1, 3, 3), from their forces, which know what it remembers. [theory eq. 10r]"""
+    stress = np.array(body._require_simulation("stress")._core.mean_stresses(body._index)).reshape(-1, 3, 3)
+    if row_of(body).is_sheet:
+        stress = stress / np.asarray(material.thickness, dtype=np.float64).reshape(-1, 1, 1)
+    return stress[:, None]
 
 
 def _rest_stretch(body: Any) -> np.ndarray:
@@ -267,6 +294,9 @@ _ELASTIC, _ALL = names_of(strains=True), names_of()
 FIELDS: dict[str, _Kind] = {
     "stress": _Kind("von Mises stress", "Pa", _ELASTIC, _stress),
     "strain": _Kind("strain", "", _ELASTIC, _strain),
+    "plastic_strain": _Kind(
+        "plastic strain", "", names_of(strains=True, has_triangles=True), _plastic_strain
+    ),
     "pressure": _Kind("contact pressure", "Pa", names_of(has_triangles=True), _pressure),
     "contact_force": _Kind("contact force", "N", _ALL, _contact_force),
     "speed": _Kind("speed", "m/s", _ALL, _speed),

@@ -112,6 +112,16 @@ _SOLIDS = (stable_neo_hookean, neo_hookean, st_venant_kirchhoff, mooney_rivlin, 
 _SHELLS = (membrane_neo_hookean, membrane_st_venant_kirchhoff, orthotropic_cloth)
 
 
+def stress_follows_from_strain(material: Any, is_sheet: bool) -> bool:
+    """Whether ``density_and_stress`` knows the law of a material: not those that remember, those of the time
+    and those that were read from a file."""
+    if material.law is None:
+        return not (is_sheet and np.isfinite(material.yield_stress).any())
+    if material.law.name == "corotated" or any(f.__name__ == material.law.name for f in (*_SOLIDS, *_SHELLS)):
+        return True
+    return not _unknown_stress(None if material._recorded is None else material._recorded[0])
+
+
 def density_and_stress(material: Any, F: np.ndarray, owner: str) -> tuple[np.ndarray, np.ndarray]:
     """Energy density (m, k) [J/m^3] and first Piola-Kirchhoff stress (m, k, 3, d) [Pa] of a material at
     deformation gradients (m, k, 3, d), d = 3 of solids, 2 of shells, of m elements; limits of strain

@@ -19,6 +19,7 @@ from stark.robots.mjcf_actuators import read_actuators
 from stark.robots.mjcf_contacts import touching_geoms, untouching
 from stark.robots.mjcf_equalities import closes_to_world, read_closures, read_mimics
 from stark.robots.mjcf_flexes import flex_bodies, read_flexes
+from stark.robots.mjcf_tendons import Transmissions
 from stark.robots.report import Report
 from stark.rotations import as_matrix
 
@@ -30,7 +31,6 @@ _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8
 _NO_GRAVITY, _GRAVITY = 1 << 7, (0.0, 0.0, -9.81)  # a flag; what MJCF has if left out [m/s^2]
 #: Parts that are not read: counts in the model.
 _DROPPED = {
-    "ntendon": "tendons",
     "nsensor": "sensors",
     "nkey": "keyframes",
     "npair": "contact pairs: what they name touches, with the friction of the scene",
@@ -69,8 +69,10 @@ class _Reader:
             "" if int(model.jnt_bodyid[k]) in self.of_flexes else self._name("joint", model.joint(k).name, k)
             for k in range(model.njnt)
         ]
-        self.drives = read_actuators(model, self._name, self.joint_names, report)
         self.mimics = read_mimics(model, self.joint_names, report)
+        along = Transmissions(model, self._name, self.joint_names, self.mimics)
+        along.report(report)
+        self.drives = read_actuators(model, self._name, self.joint_names, along, report)
 
     def read(self, name: str) -> RobotDescription:
         model = self.model

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from stark.robots.description import Gains
+from stark.robots.mjcf_tendons import Naming, Transmissions
 from stark.robots.report import Report
 
 # Numbers of mujoco's enumerations, which are part of its interface.
-_ON_JOINT, _ON_JOINT_IN_PARENT = 0, 1
 _FIXED_GAIN, _NO_DYNAMICS = 0, 0
 _NO_BIAS, _AFFINE = 0, 1
-
-Naming = Callable[[str, str, int], str]
-"""Of what a part is, its name in the file, and its number."""
 
 
 @dataclass
@@ -29,19 +25,24 @@ class JointDrives:
     gains: dict[int, Gains] = field(default_factory=dict)
 
 
-def read_actuators(model: Any, name: Naming, joint_names: list[str], report: Report) -> JointDrives:
-    """Of joints themselves and of the actuators on them."""
+def read_actuators(
+    model: Any, name: Naming, joint_names: list[str], along: Transmissions, report: Report
+) -> JointDrives:
+    """Of joints themselves and of the actuators on them, on what follows them and on tendons."""
     found = JointDrives()
     for joint in range(model.njnt):
         if model.jnt_actfrclimited[joint]:
             found.efforts[joint] = float(np.abs(model.jnt_actfrcrange[joint]).max())
     for k in range(model.nu):
         title = f"actuator '{name('actuator', model.actuator(k).name, k)}'"
-        joint = int(model.actuator_trnid[k][0])
-        if model.actuator_trntype[k] not in (_ON_JOINT, _ON_JOINT_IN_PARENT):
-            report.add("dropped", title, "acts on no joint: use robot.add_servos, add_motors, add_efforts")
+        driven = along.of_actuator(k)
+        if driven is None:
+            report.add(
+                "dropped", title, "acts on no single joint: use robot.add_servos, add_motors, add_efforts"
+            )
             continue
-        gains = _gains(model, k)
+        joint, ratio = driven
+        gains = _gains(model, k, ratio)
         if gains is None or joint in found.gains:
             report.add("dropped", title, "is not built: use robot.add_servos, add_motors, add_efforts")
         else:
@@ -52,7 +53,7 @@ def read_actuators(model: Any, name: Naming, joint_names: list[str], report: Rep
                 f"stiffness {gains.stiffness:g} and damping {gains.damping:g} of a servo on "
                 f"'{joint_names[joint]}': robot.add_servos() takes them where none are given",
             )
-        limit = _limit(model, k)
+        limit = _limit(model, k, abs(ratio))
         if limit is None:
             continue
         found.efforts[joint] = min(limit, found.efforts.get(joint, np.inf))
@@ -60,23 +61,21 @@ def read_actuators(model: Any, name: Naming, joint_names: list[str], report: Rep
     return found
 
 
-def _limit(model: Any, k: int) -> float | None:
+def _limit(model: Any, k: int, ratio: float) -> float | None:
     """Of the effort on the joint [N m, N]."""
-    gear = abs(float(model.actuator_gear[k][0]))
     if model.actuator_forcelimited[k]:
-        return float(np.abs(model.actuator_forcerange[k]).max()) * gear
+        return float(np.abs(model.actuator_forcerange[k]).max()) * ratio
     is_effort = model.actuator_gaintype[k] == _FIXED_GAIN and model.actuator_biastype[k] == _NO_BIAS
     if model.actuator_ctrllimited[k] and is_effort:
-        return float(np.abs(model.actuator_ctrlrange[k]).max() * abs(model.actuator_gainprm[k][0])) * gear
+        return float(np.abs(model.actuator_ctrlrange[k]).max() * abs(model.actuator_gainprm[k][0])) * ratio
     return None
 
 
-def _gains(model: Any, k: int) -> Gains | None:
-    """Of a servo: its force is gain * control + b_1 * length + b_2 * velocity, on gear times the
-    coordinate."""
+def _gains(model: Any, k: int, ratio: float) -> Gains | None:
+    """Of a servo: its force is gain * control + b_1 * length + b_2 * velocity, of a length that is ratio
+    times the coordinate."""
     is_affine = model.actuator_gaintype[k] == _FIXED_GAIN and model.actuator_biastype[k] == _AFFINE
     if not is_affine or model.actuator_dyntype[k] != _NO_DYNAMICS:
         return None
-    gear = float(model.actuator_gear[k][0])
-    stiffness, damping = (-float(value) * gear**2 for value in model.actuator_biasprm[k][1:3])
+    stiffness, damping = (-float(value) * ratio**2 for value in model.actuator_biasprm[k][1:3])
     return Gains(stiffness, max(0.0, damping)) if stiffness > 0.0 else None

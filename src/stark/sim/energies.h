@@ -19,6 +19,9 @@ struct ModelBatch {
   PotentialBatch batch;
   /// What moves each element. Inertia: a point, or -1 - body; RotationalInertia: 3 body + axis.
   std::vector<int32_t> subject;
+  /// Whether its elements are the triangles or tetrahedra of the owner, in their order, and what it
+  /// stretches.
+  bool carries_stress = false;
 
   bool is_inertia() const { return role != Role::Elastic; }
 };

@@ -56,6 +56,22 @@ void flow_for_half(Batch& batch, const FlowStart& start, double h) {
 
 }  // namespace
 
+std::vector<InternalVariable> internal_variables(const Potential& potential, int points,
+                                                 std::span<const double> values) {
+  std::vector<InternalVariable> found;
+  const size_t row = static_cast<size_t>(potential.internal_width());
+  size_t first = 0;
+  for (const ElementField& field : potential.element_fields()) {
+    if (field.source != ElementField::Source::Internal) continue;
+    InternalVariable& variable = found.emplace_back();
+    variable = {field.name, field.unit, field.doc, field.width, points, {}};
+    for (size_t at = first; at < values.size(); at += row)
+      variable.values.insert(variable.values.end(), values.begin() + at, values.begin() + at + field.width);
+    first += field.width;
+  }
+  return found;
+}
+
 std::vector<double> internal_values(const Energies& energies) {
   std::vector<double> all;
   for (const ModelBatch& batch : energies.batches) append(all, batch.batch.internal_values());

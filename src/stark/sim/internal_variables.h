@@ -3,12 +3,25 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include <stark/base/math.h>
 #include <stark/sim/energies.h>
 
 namespace stark {
+
+/// What the elements of a body remember of one thing.
+struct InternalVariable {
+  std::string name, unit, doc;
+  int width = 1;               ///< numbers of a value
+  int points = 1;              ///< quadrature points of an element
+  std::vector<double> values;  ///< [element][point][width]
+};
+
+/// What each element of a batch remembers in a state of which `values` are those of the batch.
+std::vector<InternalVariable> internal_variables(const Potential& potential, int points,
+                                                 std::span<const double> values);
 
 /// Values that the batches have, in the order of State::internal_variable.
 std::vector<double> internal_values(const Energies& energies);

@@ -69,6 +69,14 @@ PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,
   return batch.batch;
 }
 
+PotentialBatch& Model::Builder::add_stress_batch(const PotentialDefinition& definition,
+                                                 std::span<const int32_t> stencils, const std::string& owner,
+                                                 const ParameterValues& values) {
+  PotentialBatch& batch = add_batch(definition, stencils, owner, values);
+  energies.batches.back().carries_stress = true;
+  return batch;
+}
+
 std::vector<bool> Model::Builder::held_bodies() const {
   std::vector<bool> held(scene.body_count(), false);
   const auto hold = [&](const auto& all) {

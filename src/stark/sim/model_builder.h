@@ -149,6 +149,9 @@ struct Model::Builder {
   /// `owner`: name of the body or energy.
   PotentialBatch& add_batch(const PotentialDefinition& definition, std::span<const int32_t> stencils,
                             const std::string& owner, const ParameterValues& values = {});
+  /// The same for an energy of the strain of each triangle or tetrahedron of the owner, in their order.
+  PotentialBatch& add_stress_batch(const PotentialDefinition& definition, std::span<const int32_t> stencils,
+                                   const std::string& owner, const ParameterValues& values);
   /// Bodies that turn as a whole in a Newton step.
   std::vector<TurningRange> turning_ranges() const;
   /// By body: whether joints or attachments hold it.

@@ -159,7 +159,7 @@ void Model::Builder::add_strain_limit(const ClothDescription& sheet, const Model
     const PotentialDefinition definition =
         fields.empty() ? models::membrane_strain_limit()
                        : triangle3(rest_state::with_fields(models::membrane_strain_limit_law(), fields));
-    add_batch(definition, offset_stencils(triangles, body.first_site), name, values);
+    add_stress_batch(definition, offset_stencils(triangles, body.first_site), name, values);
   } else if (fields.empty()) {
     const std::vector<Index2> edges = find_edges(std::span<const Index3>(triangles));
     add_edge_limit({edges, compute_edge_areas(sheet.mesh.vertices, triangles, edges)}, material.thickness,
@@ -203,8 +203,8 @@ void Model::Builder::add_energies(BodyId id, const ClothDescription& cloth) {
 void Model::Builder::add_shell_energies(const ClothDescription& sheet, const ModelBody& body,
                                         const std::string& name) {
   const ElasticEnergy membrane = elastic_energy(sheet);
-  add_batch(membrane.definition, offset_stencils(sheet.mesh.triangles, body.first_site), name,
-            membrane.values);
+  add_stress_batch(membrane.definition, offset_stencils(sheet.mesh.triangles, body.first_site), name,
+                   membrane.values);
   add_bending(sheet, body, name);
   add_strain_limit(sheet, body, name);
 }
@@ -248,7 +248,7 @@ void Model::Builder::add_elements(const SolidMesh& mesh, const ElasticEnergy& en
   std::vector<int32_t> stencils = mesh.elements;
   for (int32_t& site : stencils) site += body.first_site;
   if (mesh.type == ElementType::Tet4)
-    add_batch(energy.definition, stencils, name, energy.values);
+    add_stress_batch(energy.definition, stencils, name, energy.values);
   else
     add_quadrature_batch(mesh, energy, stencils, name);
 }

@@ -9,6 +9,7 @@
 
 #include <stark/collision/intersection.h>
 #include <stark/sim/energies.h>
+#include <stark/sim/internal_variables.h>
 #include <stark/sim/model.h>
 #include <stark/sim/step_report.h>
 #include <stark/sim/time_marks.h>
@@ -125,6 +126,12 @@ class Simulation {
   /// from now on: one for each element. Throws InvalidArgument for unknown names, wrong counts and forbidden
   /// values.
   void set_rest_state(BodyId body, const std::string& name, std::span<const double> values);
+  /// Mean Cauchy stress of each element of a solid [Pa] in the present state, of cloth the mean in its middle
+  /// surface times the thickness [N/m]: of the law, limits of Green strain and rest states, whatever the
+  /// material remembers; without damping. Empty for other bodies. [theory eq. 10r]
+  std::vector<Mat3> mean_stresses(BodyId body);
+  /// What the law of a solid or of the membrane of a cloth remembers; empty for others.
+  std::vector<InternalVariable> internal_variables(BodyId body);
   /// Energies [J] of its elements in the state of the last step.
   std::vector<double> element_energies(EnergyId energy) const;
   /// Forces [N] on the points of its elements in the last step, [element][point].

@@ -5,10 +5,12 @@
 // variables dissipate follows from the energy of the step alone [theory eq. 10c].
 #include <algorithm>
 
+#include <stark/mechanics/element_virial.h>
 #include <stark/mechanics/site_gradient.h>
 #include <stark/sim/internal_variables.h>
 #include <stark/sim/step_joints.h>
 #include <stark/sim/step_ledger.h>
+#include <stark/sim/stored_energy.h>
 
 namespace stark {
 
@@ -20,9 +22,6 @@ double work(std::span<const Vec3> gradient, std::span<const Vec3> from, std::spa
   return total;
 }
 
-/// What internal variables can do in so short a step is below rounding, while rates of what does not change
-/// stay zero. [s] of a step of one second or of more.
-constexpr double kInstant = 0x1p-40;
 /// Change of the step by which energies are differentiated for its length, by differences of fourth order:
 /// what they cut off and what rounding leaves are below 1e-9 of a dissipation and 1e-13 of an energy.
 constexpr double kStepChange = 0x1p-7;
@@ -39,36 +38,6 @@ double slope_at_end(Energy&& energy) {
   for (int k = 0; k < 5; ++k) sum += kFactors[k] * energy(k * kStepChange);
   return sum / (12.0 * kStepChange);
 }
-
-const PotentialBatch& law_of(const PotentialBatch& batch) { return batch; }
-const PotentialBatch& law_of(const QuadratureBatch& batch) { return batch.law(); }
-
-/// What a batch has as length of the step and time at its end; 0 where its energy does not use it [s].
-struct StepClock {
-  explicit StepClock(const PotentialBatch& law) {
-    for (const UniformField& field : law.potential().uniform_fields()) {
-      if (field.name == "time_step") step = law.uniform_values()[field.offset];
-      if (field.name == "time") time = law.uniform_values()[field.offset];
-    }
-  }
-  double step = 0.0, time = 0.0;
-};
-
-/// A batch has another time as long as this lives; nothing to do where its energy does not use it.
-template <typename Batch>
-class AtTime {
- public:
-  AtTime(Batch& batch, double time) : batch_(batch), clock_(law_of(batch)) {
-    batch_.set_time(clock_.step, time);
-  }
-  ~AtTime() { batch_.set_time(clock_.step, clock_.time); }
-  AtTime(const AtTime&) = delete;
-  AtTime& operator=(const AtTime&) = delete;
-
- private:
-  Batch& batch_;
-  StepClock clock_;
-};
 
 /// The energy of a step of another length that ends at x.
 template <typename Batch>
@@ -89,20 +58,11 @@ double slope_in_step(Batch& batch, double h, std::span<const Vec3> x) {
   return (8.0 * difference(kStepChange) - difference(2.0 * kStepChange)) / (12.0 * kStepChange);
 }
 
-bool remembers(const PotentialBatch& batch) {
-  return std::ranges::any_of(batch.potential().element_fields(), [](const ElementField& field) {
-    return field.source == ElementField::Source::Previous;
-  });
-}
-
-/// What elements store: the energy of a step from x to x, one too short for internal variables to change and
-/// for potentials of rates, which have its length as a factor, to count. [theory eq. 10c]
+/// What elements store.
 template <typename Batch>
 double stored(Batch& batch, std::span<const Vec3> x) {
-  batch.set_previous(x);
-  const bool has_rates = remembers(law_of(batch));
-  if (potential_of(batch).internal_width() == 0 && !has_rates) return total_energy(batch, x);
-  return energy_of_step(batch, kInstant * std::min(StepClock(law_of(batch)).step, 1.0), x);
+  const AtRest rest(batch, x);
+  return total_energy(batch, x);
 }
 
 }  // namespace
@@ -168,6 +128,26 @@ double StepLedger::stored_energy(ModelQuadrature& elements, std::span<const Vec3
   const double energy = stored(elements.batch, x);
   motion_.set_previous(elements.batch);
   return energy;
+}
+
+template <typename Elements>
+std::vector<Mat3> StepLedger::stored_virials_of(Elements& elements, std::span<const Vec3> x) {
+  std::vector<Mat3> virials;
+  {
+    const AtTime now(elements.batch, state_.time);
+    const AtRest rest(elements.batch, x);
+    virials = element_virials(elements.batch, x);
+  }
+  motion_.set_previous(elements.batch);
+  return virials;
+}
+
+std::vector<Mat3> StepLedger::stored_virials(ModelBatch& batch, std::span<const Vec3> x) {
+  return stored_virials_of(batch, x);
+}
+
+std::vector<Mat3> StepLedger::stored_virials(ModelQuadrature& elements, std::span<const Vec3> x) {
+  return stored_virials_of(elements, x);
 }
 
 EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {

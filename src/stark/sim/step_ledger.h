@@ -21,6 +21,9 @@ class StepLedger : private StepPart {
   /// What the elements of one elastic batch store, 0 for others.
   double stored_energy(ModelBatch& batch, std::span<const Vec3> x);
   double stored_energy(ModelQuadrature& elements, std::span<const Vec3> x);
+  /// Virials of the same energy [J], which are the volumes of elements times their mean Cauchy stress.
+  std::vector<Mat3> stored_virials(ModelBatch& batch, std::span<const Vec3> x);
+  std::vector<Mat3> stored_virials(ModelQuadrature& elements, std::span<const Vec3> x);
   /// Stored energies at the start of a step whose times the batches have, for balance().
   EnergyLedger begin(std::span<const Vec3> x);
   /// Completes the ledger of the step that has just been committed; `before`: stored energies at its start,
@@ -47,6 +50,8 @@ class StepLedger : private StepPart {
   double flow_dissipation();
   template <typename Batch>
   double flow_dissipation(Batch& batch);
+  template <typename Elements>
+  std::vector<Mat3> stored_virials_of(Elements& elements, std::span<const Vec3> x);
 
   const StepMotion& motion_;
   std::vector<int32_t> centres_;                           ///< sites at the centres of bodies

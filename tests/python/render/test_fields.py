@@ -249,12 +249,12 @@ def test_which_bodies_have_which_fields(sim) -> None:
 
 def test_bodies_that_are_not_shown_are_not_asked() -> None:
     """Nor is the stress of their laws, which may not be known."""
-    law = stark.materials.solid_laws["strain_limit"]
     scene, mesh = stark.Scene(), stark.mesh.tet_box((0.1, 0.1, 0.1), (1, 1, 1))
-    scene.add_solid(mesh, stark.SolidMaterial(law=law, strain_limit=0.1), name="own")
+    wire = stark.materials.steel_wire.replace(yield_stress=1e9)
+    scene.add_rod(np.linspace((0, 0, 0), (0.1, 0, 0), 3), wire, name="own")
     scene.add_solid(mesh, name="known", position=(1, 0, 0))
     sim = stark.Simulation(scene)
-    with pytest.raises(stark.InvalidArgument, match=r"'own': stress: its law.*leave the body out"):
+    with pytest.raises(stark.InvalidArgument, match=r"'own': stress: is known of elastic rods"):
         sim.picture(field="stress", size=(16, 16), quality="draft")
     sim.picture(field="stress", hide="own", size=(16, 16), quality="draft")
     assert set(field_of(sim, {"known": "stress"}).values) == {"known"}
@@ -263,7 +263,10 @@ def test_bodies_that_are_not_shown_are_not_asked() -> None:
 @pytest.mark.parametrize(
     ("field", "message"),
     [
-        ("stres", "field 'stres' is unknown; choose one of stress, strain, pressure, contact_force, speed"),
+        (
+            "stres",
+            "field 'stres' is unknown; choose one of stress, strain, plastic_strain, pressure, contact_force",
+        ),
         (3, "field = 3: must be one of stress"),
         ({"cup": [1.0]}, "field: body = 'cup': no body has such a name"),
         ({"cloth": [1.0]}, r"field of 'cloth' has the shape \(1,\): must be \(9,\), a value for each vertex"),

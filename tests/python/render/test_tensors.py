@@ -97,3 +97,106 @@ def test_cloth_and_what_has_no_tensors() -> None:
         stark.render.tensor_values(sim, "strain")
     with pytest.raises(stark.InvalidArgument, match="no values at vertices: must be at='elements'"):
         stark.render.tensor_values(sim, "deformation_gradient")
+
+
+STEEL = {"shear_modulus": 8e10, "bulk_modulus": 1.7e11, "yield_stress": 2.5e8, "hardening_modulus": 2e9}
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("formulation", ["displacement", "mean_dilatation"])
+def test_metal_that_yields_has_the_stress_of_its_hardening(order: int, formulation: str) -> None:
+    """Uniaxial: sigma = Y + H p, the pull over the section, and lengths are those of both strains."""
+    mesh: Any = stark.mesh.box_hexahedra((0.1, 0.02, 0.02), (4, 1, 1))
+    mesh = stark.mesh.to_quadratic(mesh) if order == 2 else mesh
+    scene = stark.Scene()
+    steel = stark.j2_plasticity(**STEEL, density=7850.0)
+    bar = scene.add_solid(mesh, steel, name="bar", formulation=formulation)
+    at = mesh.vertices
+    for k, axis in enumerate("xyz"):
+        scene.add_rollers(bar.vertices[abs(at[:, k] - at[:, k].min()) < 1e-9], axis)
+    pull = scene.add_rollers(bar.vertices[abs(at[:, 0] - at[:, 0].max()) < 1e-9], "x", shift=0.0)
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    K, G, Y, H = (
+        STEEL["bulk_modulus"],
+        STEEL["shear_modulus"],
+        STEEL["yield_stress"],
+        STEEL["hardening_modulus"],
+    )
+    young = 9 * K * G / (3 * K + G)
+    for shift in (1e-4, 1e-3, 2e-3, 1.9e-3):
+        pull.shift = shift
+        assert not sim.step().failed
+        flow = bar.internal_variables["plastic_strain"]
+        p = flow.mean()
+        assert flow.shape == (4, 27 if order == 2 else 8) and np.ptp(flow) < 1e-3 * max(p, 1e-3)
+        section = np.ptp(bar.positions[:, 1]) * np.ptp(bar.positions[:, 2])
+        stress = stark.render.tensor_values(sim, "stress", at="elements")["bar"]
+        assert stress.shape == (4, 1, 3, 3)
+        np.testing.assert_allclose(stress[:, 0, 0, 0], pull.forces.sum(axis=(0, 1))[0] / section, rtol=1e-4)
+        assert np.abs(stress[:, 0, 1, 1]).max() < 1e-3 * Y  # supports give way a little
+        if shift in (1e-3, 2e-3):  # it flows; von Mises of Kirchhoff stresses: J of elastic strains
+            np.testing.assert_allclose(stress[:, 0, 0, 0], Y + H * p, rtol=2e-3)
+        elongation = np.log(np.ptp(bar.positions[:, 0]) / 0.1)
+        np.testing.assert_allclose(stress[0, 0, 0, 0] / young + p, elongation, rtol=2e-3)
+        shown = stark.render.field_values(sim, "plastic_strain")["bar"]
+        np.testing.assert_allclose(shown, p, rtol=1e-3, atol=1e-12)
+
+
+def test_foil_that_yields_and_elastic_bodies_beside_it() -> None:
+    Y, H = 6e7, 5e8
+    foil = stark.ShellMaterial(
+        density=0.135, thickness=5e-5, youngs_modulus=7e10, poissons_ratio=0.33, flexural_rigidity=8.2e-4,
+        yield_stress=Y, hardening_modulus=H,
+    )  # fmt: skip
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.1, 0.02, cells=(10, 2)), foil, name="foil")
+    scene.add_cloth(
+        stark.mesh.grid(0.1, 0.02, cells=2), stark.materials.cotton, name="cotton", position=(0, 1, 0)
+    )
+    at = sheet.mesh.vertices
+    ends = [np.flatnonzero(abs(at[:, 0] - x) < 1e-9) for x in (-0.05, 0.05)]
+    for k in (0, 1):
+        scene.add_rollers(sheet.vertices[ends[0] if k == 0 else np.flatnonzero(at[:, 1] < -0.0099)], "xy"[k])
+    pull = scene.add_rollers(sheet.vertices[ends[1]], "x", shift=2e-4)
+    sheet.pin([int(ends[0][0])])
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    p = sheet.internal_variables["plastic_work"] / Y
+    stress = stark.render.tensor_values(sim, "stress", at="elements")["foil"]
+    assert p.mean() > 1e-3 and stress.shape == (40, 1, 3, 3)
+    width = np.ptp(sheet.positions[:, 1])
+    np.testing.assert_allclose(
+        stress[:, 0, 0, 0].mean(), pull.forces.sum(axis=(0, 1))[0] / (width * 5e-5), rtol=1e-3
+    )
+    np.testing.assert_allclose(stress[:, 0, 0, 0], Y + H * p[:, 0], rtol=5e-3)
+    shown = stark.render.field_values(sim, "plastic_strain")
+    np.testing.assert_allclose(shown["foil"], p.mean(), rtol=0.05)
+    assert not shown["cotton"].any() and sim["cotton"].internal_variables == {}
+
+
+@pytest.mark.parametrize("h", [0.02, 0.2])
+def test_stress_relaxes_as_the_prony_series(h: float) -> None:
+    """Uniaxial strain e from the start of the first step on: (K + 4/3 G(t)) e, exact for any step."""
+    K, G, branch, tau, e = 8e4, 4e4, 8e4, 0.1, 1e-5
+    law = stark.generalized_maxwell(
+        shear_modulus=G, bulk_modulus=K, moduli=[branch], times=[tau], density=1000.0
+    )
+    mesh = stark.mesh.box_hexahedra((0.1, 0.1, 0.1), 2)
+    scene = stark.Scene()
+    inner = int(np.linalg.norm(mesh.vertices, axis=1).argmin())
+    pins = [k for k in range(len(mesh.vertices)) if k != inner]
+    block = scene.add_solid(mesh, law, name="block", pins=pins)
+    sim = stark.Simulation(
+        scene, time_step=h, gravity=(0, 0, 0), settings={"newton.residual_tolerance": 1e-9}
+    )
+    block.pin_targets = mesh.vertices[pins] * (1.0 + e, 1.0, 1.0)
+    for n in range(3):
+        assert not sim.step().failed
+        left = branch * np.exp(-(n + 1) * h / tau)
+        stress = stark.render.tensor_values(sim, "stress", at="elements")["block"][:, 0]
+        along, across = K + 4 / 3 * (G + left), K - 2 / 3 * (G + left)
+        np.testing.assert_allclose(stress[:, 0, 0], along * e, rtol=1e-4)
+        np.testing.assert_allclose(stress[:, [1, 2], [1, 2]], across * e, rtol=2e-4)
+    # Virtual work of the pins, now that all is at rest.
+    work = block.pin_forces[:, 0] @ block.positions[pins, 0]
+    np.testing.assert_allclose(stress[0, 0, 0], work / (1e-3 * (1.0 + e)), rtol=1e-6)
