@@ -3,7 +3,6 @@
 // own overload errors do not say which argument was meant.
 #pragma once
 
-#include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
 #include <algorithm>
@@ -19,9 +18,9 @@
 #include <stark/base/error.h>
 #include <stark/base/math.h>
 
-namespace stark::bindings {
+#include "domains.h"
 
-namespace nb = nanobind;
+namespace stark::bindings {
 
 /// C-contiguous (n, Columns) array on the CPU. As a parameter type it accepts arrays only; array() accepts
 /// lists too.
@@ -32,27 +31,17 @@ using Rows = nb::ndarray<const T, nb::shape<-1, Columns>, nb::c_contig, nb::devi
 template <typename T>
 using Column = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-/// The rows of an (n, Columns) array as values of a plain type of exactly Columns numbers (Vec3,
-/// std::array<int, 4>).
-template <typename Value, typename T, long Columns>
-std::span<const Value> rows(const Rows<T, Columns>& array) {
-  static_assert(sizeof(Value) == sizeof(T) * Columns);
-  return {reinterpret_cast<const Value*>(array.data()), array.shape(0)};
-}
-
-template <typename T>
-std::span<const T> values(const Column<T>& array) {
-  return {array.data(), array.shape(0)};
-}
-
 /// str(value) of Python.
 inline std::string text(nb::handle value) { return nb::str(value).c_str(); }
 
-/// A value as a message shows it: its repr, cut where it is long.
+/// A value as a message shows it: its repr on one line, cut where it is long.
 inline std::string shown(nb::handle value) {
   constexpr std::size_t kLongest = 80;
-  std::string all = nb::repr(value).c_str();
-  return all.size() <= kLongest ? all : all.substr(0, kLongest) + "...";
+  std::string all = text(nb::repr(value));
+  std::size_t end = std::min(all.find('\n'), kLongest);
+  if (end >= all.size()) return all;
+  while (end > 0 && (all[end] & 0xC0) == 0x80) --end;  // not within a character of UTF-8
+  return all.substr(0, end) + "...";
 }
 
 /// Converts any array-like object to Array (Rows or Column), or throws InvalidArgument naming the argument,
@@ -85,47 +74,6 @@ Array array(nb::handle object, const std::string& name, const std::string& expec
   throw InvalidArgument(name + ": got " + got + ": must be " + expected);
 }
 
-/// The numbers of an array of rows, or of a flat one, as a list of their own.
-template <typename Value, typename T, long columns>
-std::vector<Value> rows_of(nb::handle object, const std::string& name, const std::string& expected) {
-  const auto given = array<Rows<T, columns>>(object, name, expected);
-  const auto view = rows<Value>(given);
-  return {view.begin(), view.end()};
-}
-template <typename T>
-std::vector<T> numbers_of(nb::handle object, const std::string& name, const std::string& expected) {
-  const auto given = array<Column<T>>(object, name, expected);
-  return {given.data(), given.data() + given.shape(0)};
-}
-
-inline Vec3 vector_of(nb::handle object, const std::string& name) {
-  const auto v = numbers_of<double>(object, name, "three numbers");
-  if (v.size() != 3) throw InvalidArgument(name + ": got " + shown(object) + ": must be three numbers");
-  return {v[0], v[1], v[2]};
-}
-inline Mat3 matrix_of(nb::handle object, const std::string& name,
-                      const std::string& expected = "a 3 x 3 rotation matrix") {
-  const auto matrix = array<Rows<double, 3>>(object, name, expected);
-  if (matrix.shape(0) != 3)
-    throw InvalidArgument(name + ": got " + std::to_string(matrix.shape(0)) + " rows: must be " + expected);
-  Mat3 result;
-  std::copy_n(matrix.data(), 9, result.m.begin());
-  return result;
-}
-inline std::vector<Vec3> points_of(nb::handle object, const std::string& name,
-                                   const char* expected = "an array of shape (n, 3) of real numbers [m]") {
-  return rows_of<Vec3, double, 3>(object, name, expected);
-}
-
-/// As many positions as needed.
-inline std::vector<Vec3> points_of(nb::handle object, const std::string& name, std::size_t count) {
-  std::vector<Vec3> points = points_of(object, name, "an (n, 3) array of positions");
-  if (points.size() != count)
-    throw InvalidArgument(name + ": got " + std::to_string(points.size()) + " points: must be " +
-                          std::to_string(count));
-  return points;
-}
-
 /// Numbers that a plain type is made of: Vec3 of doubles, std::array<int, 4> of ints.
 template <typename Value>
 struct NumbersOf {
@@ -143,6 +91,16 @@ template <typename T, std::size_t n>
 struct NumbersOf<std::array<T, n>> {
   using type = T;
 };
+/// Lists of numbers, or of rows of them, which are arrays in Python.
+template <typename T>
+constexpr bool is_list = false;
+template <typename Value>
+constexpr bool is_list<std::vector<Value>> = true;
+template <typename T>
+constexpr bool is_array = false;
+template <typename Value>
+constexpr bool is_array<std::vector<Value>> = std::is_arithmetic_v<typename NumbersOf<Value>::type>;
+
 template <typename Value>
 using Numpy = nb::ndarray<nb::numpy, typename NumbersOf<Value>::type>;
 

@@ -1,21 +1,25 @@
-// What binds each domain to the module. Nothing else is included here: module.cpp, which is compiled for any
-// x86-64, includes it.
+// What binds each domain to the module, and the names that all files of the bindings use. Only nanobind is
+// included here: module.cpp, which is compiled for any x86-64, includes it.
 #pragma once
 
 #include <nanobind/nanobind.h>
 
-void bind_geometry(nanobind::module_& m);
-void bind_laws(nanobind::module_& m);
-void bind_settings(nanobind::module_& m);
-void bind_scene(nanobind::module_& m);
-void bind_solid_mesh(nanobind::module_& m);
-void bind_state(nanobind::module_& m);
-void bind_report(nanobind::module_& m);  ///< of steps, with the diagnosis of those that failed
-void bind_step_progress(nanobind::module_& m);
-void bind_simulation(nanobind::module_& m);
-void bind_io(nanobind::module_& m);
-void bind_potentials(nanobind::module_& m);
-void bind_formulas(nanobind::module_& m);
-void bind_definitions(nanobind::module_& m);  ///< of joints and actuators
-void bind_contacts(nanobind::module_& m);
-void bind_symbolic(nanobind::module_& m);
+namespace stark::bindings {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+void bind_geometry(nb::module_& m);
+void bind_settings(nb::module_& m);
+void bind_scene(nb::module_& m);
+void bind_solid_mesh(nb::module_& m);
+void bind_state(nb::module_& m);
+void bind_report(nb::module_& m);  ///< of steps, with the diagnosis of those that failed
+void bind_step_progress(nb::module_& m);
+void bind_simulation(nb::module_& m);  ///< with what it reports of contact
+void bind_io(nb::module_& m);
+void bind_formulas(nb::module_& m);
+void bind_definitions(nb::module_& m);  ///< of potentials, laws, joints and actuators
+void bind_symbolic(nb::module_& m);
+
+}  // namespace stark::bindings

@@ -1,18 +1,6 @@
 // Bindings of geometry and collision: shapes, connectivity, mass properties, distances, continuous detection,
 // candidates and intersections. Arrays in, arrays out; nothing here decides anything.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
-
-#include <array>
-#include <string>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 #include <stark/collision/collision_set.h>
 #include <stark/geometry/closest.h>
@@ -22,22 +10,25 @@
 #include <stark/geometry/shapes.h>
 #include <stark/geometry/topology.h>
 
-#include "domains.h"
 #include "with_arrays.h"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-using namespace stark;
-using namespace stark::bindings;
+namespace stark::bindings {
 
 template <>
-struct stark::bindings::NumbersOf<PrimitivePair> : NumbersOf<Index2> {};
+struct NumbersOf<PrimitivePair> : NumbersOf<Index2> {};
 template <>
-struct stark::bindings::NumbersOf<EdgeTriangleIntersection> : NumbersOf<Index2> {};
+struct NumbersOf<EdgeTriangleIntersection> : NumbersOf<Index2> {};
 template <>
-struct stark::bindings::NumbersOf<ContainedGroup> : NumbersOf<Index3> {};
+struct NumbersOf<ContainedGroup> : NumbersOf<Index3> {};
 template <size_t n>
-struct stark::bindings::NumbersOf<std::array<Vec3, n>> : NumbersOf<Vec3> {};
+struct NumbersOf<std::array<Vec3, n>> : NumbersOf<Vec3> {};
+
+template <>
+inline constexpr int kMembers<TriangleMesh> = 2;
+template <>
+inline constexpr int kMembers<TetMesh> = 2;
+template <>
+inline constexpr int kMembers<PrincipalAxes> = 2;
 
 namespace {
 
@@ -52,62 +43,50 @@ auto of_mesh(const std::vector<Vec3>& vertices, const std::vector<Index3>& trian
   return function(vertices, triangles, more...);
 }
 
-auto to_arrays(TriangleMesh mesh) {
-  return std::pair(to_numpy(std::move(mesh.vertices)), to_numpy(std::move(mesh.triangles)));
-}
-auto to_arrays(TetMesh mesh) {
-  return std::pair(to_numpy(std::move(mesh.vertices)), to_numpy(std::move(mesh.tets)));
-}
-
-std::array<double, 3> triple(const Vec3& v) { return {v.x, v.y, v.z}; }
-
-template <auto function>
-nb::dict mass_properties(std::span<const Vec3> vertices, std::span<const Index3> triangles, double density) {
-  const MassProperties p = function(vertices, triangles, density);
-  return dict_of("measure", p.measure, "mass", p.mass, "centre", triple(p.centre), "inertia", p.inertia);
+/// (n, 3 points) array: n stencils of so many points each.
+template <size_t points>
+std::vector<std::array<Vec3, points>> stencils(nb::handle object, const char* name) {
+  return from_array<std::vector<std::array<Vec3, points>>>(
+      object, std::string(name) + "?: an (n, " + std::to_string(3 * points) +
+                  ") array of numbers [m]: " + std::to_string(points) + " points a row");
 }
 
-// (n, 3 Vertices) array: n stencils of so many vertices each.
-template <size_t Vertices>
-std::vector<std::array<Vec3, Vertices>> stencils(nb::handle object, const char* name) {
-  return from_array<std::vector<std::array<Vec3, Vertices>>>(
-      object, std::string(name) + "?: an (n, " + std::to_string(3 * Vertices) +
-                  ") array of numbers [m]: " + std::to_string(Vertices) + " points a row");
+/// The closest features of each row: their type, squared distance and weights.
+template <size_t points>
+void def_classify(nb::module_& m, const char* name, auto type_of, auto squared_distance, auto weights_of) {
+  using Weights = typename SignatureOf<decltype(weights_of)>::result;
+  const auto classify = [=](nb::handle object) {
+    std::vector<uint8_t> types;
+    std::vector<double> distances;
+    std::vector<Weights> weights;
+    for (const auto& x : stencils<points>(object, "stencils")) {
+      const auto type = std::apply(type_of, x);
+      const auto typed = std::tuple_cat(x, std::tuple(type));
+      types.push_back(static_cast<uint8_t>(type));
+      distances.push_back(std::apply(squared_distance, typed));
+      weights.push_back(std::apply(weights_of, typed));
+    }
+    return std::tuple(ArrayOf{types}, ArrayOf{distances}, ArrayOf{weights});
+  };
+  m.def(name, classify, "stencils"_a,
+        "Closest features (type numbers), squared distances and weights, one stencil a row.");
 }
 
-// Type, squared distance and weights of each row.
-template <size_t vertices, typename Classify>
-auto classify(nb::handle object, Classify classify_row) {
-  using Row = decltype(classify_row(std::array<Vec3, vertices>{}));
-  std::vector<uint8_t> types;
-  std::vector<double> distances;
-  std::vector<std::tuple_element_t<2, Row>> weights;
-  for (const auto& x : stencils<vertices>(object, "stencils")) {
-    const auto& [type, distance, weight] = classify_row(x);
-    types.push_back(static_cast<uint8_t>(type));
-    distances.push_back(distance);
-    weights.push_back(weight);
-  }
-  return std::tuple(to_numpy(std::move(types)), to_numpy(std::move(distances)), to_numpy(std::move(weights)));
-}
-
-template <size_t vertices>
+using Points4 = std::array<Vec3, 4>;
 void def_ccd(nb::module_& m, const char* name,
-             double (*function)(const std::array<Vec3, vertices>&, const std::array<Vec3, vertices>&, double,
-                                const CcdSettings&)) {
-  m.def(
-      name,
-      [function](nb::handle start, nb::handle end, double min_separation, double time_margin) {
-        const auto x0 = stencils<vertices>(start, "x0"), x1 = stencils<vertices>(end, "x1");
-        if (x0.size() != x1.size()) throw InvalidArgument("x0 and x1 have different numbers of rows");
-        CcdSettings settings;
-        settings.time_margin = time_margin;
-        std::vector<double> steps(x0.size());
-        for (size_t k = 0; k < x0.size(); ++k) steps[k] = function(x0[k], x1[k], min_separation, settings);
-        return to_numpy(std::move(steps));
-      },
-      "x0"_a, "x1"_a, "min_separation"_a = 0.0, "time_margin"_a = CcdSettings{}.time_margin,
-      "Safe fraction of the linear motion x0 -> x1 for each row of vertex coordinates.");
+             double (*ccd)(const Points4&, const Points4&, double, const CcdSettings&)) {
+  const auto safe_fractions = [ccd](nb::handle start, nb::handle end, double min_separation, double margin) {
+    const auto x0 = stencils<4>(start, "x0"), x1 = stencils<4>(end, "x1");
+    if (x0.size() != x1.size()) throw InvalidArgument("x0 and x1 have different numbers of rows");
+    CcdSettings settings;
+    settings.time_margin = margin;
+    std::vector<double> steps(x0.size());
+    for (size_t k = 0; k < x0.size(); ++k) steps[k] = ccd(x0[k], x1[k], min_separation, settings);
+    return ArrayOf{steps};
+  };
+  m.def(name, safe_fractions, "x0"_a, "x1"_a, "min_separation"_a = 0.0,
+        "time_margin"_a = CcdSettings{}.time_margin,
+        "Safe fraction of the linear motion x0 -> x1 for each row of vertex coordinates.");
 }
 
 nb::dict find_pairs(CollisionSet& set, std::span<const Vec3> x0, std::span<const Vec3> x1,
@@ -115,7 +94,7 @@ nb::dict find_pairs(CollisionSet& set, std::span<const Vec3> x0, std::span<const
   CandidateList list = set.find(x0, x1, inflation);
   nb::dict result;
   for_each_pair_kind([&](auto kind) {
-    result[nb::str(PairRow<kind.value>::kName.data())] = to_numpy(std::move(list[kind]));
+    result[nb::str(PairRow<kind.value>::kName.data())] = ArrayOf{std::move(list[kind])};
   });
   return result;
 }
@@ -133,25 +112,15 @@ void make_set(CollisionSet* self, const std::vector<int32_t>& vertex_group, cons
   new (self) CollisionSet(vertex_group, edges, triangles, points, excluded, threads);
 }
 
-/// A function that makes a mesh, as arrays.
-template <auto make>
-struct Making;
-template <typename Mesh, typename... Args, Mesh (*make)(Args...)>
-struct Making<make> {
-  static auto arrays(Args... args) { return to_arrays(make(args...)); }
-};
-template <auto make>
-constexpr auto arrays_of = &Making<make>::arrays;
-
 void bind_shapes(nb::module_& m) {
-  m.def("make_grid", arrays_of<make_grid>, "size_x"_a, "size_y"_a, "cells_x"_a, "cells_y"_a);
-  m.def("make_box", arrays_of<make_box>, "size"_a, "subdivisions"_a = 1);
-  m.def("make_icosphere", arrays_of<make_icosphere>, "radius"_a, "subdivisions"_a);
-  m.def("make_cylinder", arrays_of<make_cylinder>, "radius"_a, "height"_a, "segments"_a = 32, "stacks"_a = 1);
-  m.def("make_capsule", arrays_of<make_capsule>, "radius"_a, "height"_a, "segments"_a = 32, "rings"_a = 8);
-  m.def("make_torus", arrays_of<make_torus>, "major_radius"_a, "minor_radius"_a, "major_segments"_a = 48,
+  m.def("make_grid", make_grid, "size_x"_a, "size_y"_a, "cells_x"_a, "cells_y"_a);
+  m.def("make_box", make_box, "size"_a, "subdivisions"_a = 1);
+  m.def("make_icosphere", make_icosphere, "radius"_a, "subdivisions"_a);
+  m.def("make_cylinder", make_cylinder, "radius"_a, "height"_a, "segments"_a = 32, "stacks"_a = 1);
+  m.def("make_capsule", make_capsule, "radius"_a, "height"_a, "segments"_a = 32, "rings"_a = 8);
+  m.def("make_torus", make_torus, "major_radius"_a, "minor_radius"_a, "major_segments"_a = 48,
         "minor_segments"_a = 24);
-  m.def("make_tet_box", arrays_of<make_tet_box>, "size"_a, "cells"_a);
+  m.def("make_tet_box", make_tet_box, "size"_a, "cells"_a);
 }
 
 nb::tuple closest_triangles(std::span<const Vec3> points, std::span<const Vec3> vertices,
@@ -162,13 +131,7 @@ nb::tuple closest_triangles(std::span<const Vec3> points, std::span<const Vec3> 
     indices.push_back(c.triangle);
     distances.push_back(c.distance);
   }
-  return nb::make_tuple(to_numpy(std::move(indices)), to_numpy(std::move(distances)));
-}
-
-auto principal_axes(const std::vector<Vec3>& a) {
-  if (a.size() != 3) throw InvalidArgument("matrix: must be a symmetric (3, 3) array");
-  const PrincipalAxes p = compute_principal_axes(transpose(Mat3::from_columns(a[0], a[1], a[2])));
-  return std::pair(triple(p.values), nb::cast(p.axes));
+  return nb::make_tuple(ArrayOf{indices}, ArrayOf{distances});
 }
 
 std::vector<int32_t> components(std::span<const Vec3> vertices, std::span<const Index3> triangles) {
@@ -188,8 +151,6 @@ void bind_topology(nb::module_& m) {
   using EdgesOfTriangles = std::vector<Index2> (*)(std::span<const Index3>);
   using EdgesOfTets = std::vector<Index2> (*)(std::span<const Index4>);
   using Boundary = std::vector<Index3> (*)(std::span<const Index4>);
-  constexpr auto solid = mass_properties<compute_solid_mass_properties>;
-  constexpr auto shell = mass_properties<compute_shell_mass_properties>;
   m.def("find_edges", with_arrays<static_cast<EdgesOfTriangles>(find_edges), kTriangles>, "triangles"_a);
   m.def("find_tet_edges", with_arrays<static_cast<EdgesOfTets>(find_edges), kTets>, "tets"_a);
   m.def("find_closest_triangles",
@@ -205,56 +166,23 @@ void bind_topology(nb::module_& m) {
   m.def("is_orientation_consistent", with_arrays<is_orientation_consistent, kTriangles>, "triangles"_a);
   m.def("compute_vertex_areas", with_arrays<of_mesh<compute_vertex_areas>, kVertices, kTriangles>,
         "vertices"_a, "triangles"_a);
-  m.def("compute_solid_mass_properties", with_arrays<of_mesh<solid, double>, kVertices, kTriangles>,
-        "vertices"_a, "triangles"_a, "density"_a);
-  m.def("compute_shell_mass_properties", with_arrays<of_mesh<shell, double>, kVertices, kTriangles>,
-        "vertices"_a, "triangles"_a, "area_density"_a);
-  m.def("compute_principal_axes", with_arrays<principal_axes, "matrix?: a symmetric (3, 3) array">,
+  m.def("compute_solid_mass_properties",
+        with_arrays<of_mesh<compute_solid_mass_properties, double>, kVertices, kTriangles>, "vertices"_a,
+        "triangles"_a, "density"_a);
+  m.def("compute_principal_axes", with_arrays<compute_principal_axes, "matrix: a symmetric (3, 3) array">,
         "matrix"_a);
 }
 
 void bind_distances(nb::module_& m) {
-  using S3 = std::array<Vec3, 3>;
-  using S4 = std::array<Vec3, 4>;
-  constexpr const char* kDoc =
-      "Closest features (type numbers), squared distances and weights, one stencil a row.";
-  const auto point_edge = [](const S3& s) {
-    const PointEdgeType t = point_edge_type(s[0], s[1], s[2]);
-    return std::tuple(t, point_edge_squared_distance(s[0], s[1], s[2], t),
-                      point_edge_weights(s[0], s[1], s[2], t));
-  };
-  const auto point_triangle = [](const S4& s) {
-    const PointTriangleType t = point_triangle_type(s[0], s[1], s[2], s[3]);
-    return std::tuple(t, point_triangle_squared_distance(s[0], s[1], s[2], s[3], t),
-                      point_triangle_weights(s[0], s[1], s[2], s[3], t));
-  };
-  const auto edge_edge = [](const S4& s) {
-    const EdgeEdgeType t = edge_edge_type(s[0], s[1], s[2], s[3]);
-    return std::tuple(t, edge_edge_squared_distance(s[0], s[1], s[2], s[3], t),
-                      edge_edge_weights(s[0], s[1], s[2], s[3], t));
-  };
-  const auto def_classify = [&](const char* name, auto vertices, auto classify_row) {
-    m.def(name, [=](nb::handle x) { return classify<vertices.value>(x, classify_row); }, "stencils"_a, kDoc);
-  };
-  def_classify("classify_point_edge", std::integral_constant<size_t, 3>(), point_edge);
-  def_classify("classify_point_triangle", std::integral_constant<size_t, 4>(), point_triangle);
-  def_classify("classify_edge_edge", std::integral_constant<size_t, 4>(), edge_edge);
-  def_ccd<2>(m, "point_point_ccd", point_point_ccd);
-  def_ccd<3>(m, "point_edge_ccd", point_edge_ccd);
-  def_ccd<4>(m, "point_triangle_ccd", point_triangle_ccd);
-  def_ccd<4>(m, "edge_edge_ccd", edge_edge_ccd);
-  m.def("orient3d", orient3d, "a"_a, "b"_a, "c"_a, "d"_a);
-  m.def(
-      "segment_intersects_triangle",
-      [](nb::handle stencil_rows) {
-        std::vector<uint8_t> hits;
-        for (const auto& s : stencils<5>(stencil_rows, "stencils")) {
-          hits.push_back(segment_intersects_triangle(s[0], s[1], s[2], s[3], s[4]));
-        }
-        return to_numpy(std::move(hits));
-      },
-      "stencils"_a,
-      "1 where the segment (first two points of the row) meets the triangle (the other three).");
+  // The forms that take a type found before.
+  const auto point_edge = [](const auto&... x) { return point_edge_squared_distance(x...); };
+  const auto point_triangle = [](const auto&... x) { return point_triangle_squared_distance(x...); };
+  const auto edge_edge = [](const auto&... x) { return edge_edge_squared_distance(x...); };
+  def_classify<3>(m, "classify_point_edge", point_edge_type, point_edge, point_edge_weights);
+  def_classify<4>(m, "classify_point_triangle", point_triangle_type, point_triangle, point_triangle_weights);
+  def_classify<4>(m, "classify_edge_edge", edge_edge_type, edge_edge, edge_edge_weights);
+  def_ccd(m, "point_triangle_ccd", point_triangle_ccd);
+  def_ccd(m, "edge_edge_ccd", edge_edge_ccd);
   m.def("locate_points",
         with_arrays<locate_points, "points?: an (n, 3) array of numbers [m]", kVertices, kTriangles>,
         "points"_a, "vertices"_a, "triangles"_a, "0 outside, 1 inside, 2 on the closed surface.");
@@ -293,3 +221,5 @@ void bind_geometry(nb::module_& m) {
   bind_distances(m);
   bind_collision(m);
 }
+
+}  // namespace stark::bindings

@@ -1,7 +1,6 @@
 // The extension module stark._core: checks the processor, makes the exception types, calls one function per
 // domain. This file is compiled for baseline x86-64 (see python/CMakeLists.txt); everything else needs AVX2
 // and FMA.
-#include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
 #include <cstdlib>
@@ -13,6 +12,7 @@
 #include "without_gil.h"
 
 namespace nb = nanobind;
+using namespace stark::bindings;
 
 namespace {
 
@@ -65,20 +65,17 @@ NB_MODULE(_core, m) {
   m.doc() = "Compiled core of Stark; the public interface is the package stark.";
   m.attr("__version__") = STARK_VERSION;
   bind_exceptions(m);
-  stark::bindings::wait_at_exit();
+  wait_at_exit();
   // What an interpreter leaves alive when it ends, frames in a debugger or a test runner, is for those to
   // know who look for it in these bindings.
   nb::set_leak_warnings(std::getenv("STARK_LEAK_WARNINGS") != nullptr);
   bind_geometry(m);
-  bind_laws(m);
+  bind_definitions(m);
   bind_settings(m);
   bind_scene(m);
   bind_solid_mesh(m);
   bind_simulation(m);
   bind_io(m);
-  bind_potentials(m);
   bind_formulas(m);
-  bind_definitions(m);
-  bind_contacts(m);
   bind_symbolic(m);
 }

@@ -4,37 +4,54 @@
 #include <stark/sim/settings.h>
 
 #include "casters.h"
-#include "described.h"
-#include "domains.h"
+
+namespace stark::bindings {
 
 namespace {
 
-using namespace stark;
-using namespace stark::bindings;
-
-void bind_settings_class(nb::module_& m) {
-  bind_described<Settings>(m, "Settings", "All settings of a simulation by dotted name.")
-      .def(
-          "set_text",
-          [](Settings& s, const std::string& name, const std::string& value) {
-            set_from_text(s, name, value);
-          },
-          "name"_a, "text"_a)
-      .def(
-          "assign",
-          [](Settings& s, const std::string& name, nb::handle value) { set(s, name, to_field_value(value)); },
-          "name"_a, "value"_a.none(), "As set(), and knows time_step, contact_distance and threads.")
-      .def(
-          "read", [](const Settings& s, const std::string& name) { return to_python(get(s, name)); },
-          "name"_a, "As get(), and knows the short names.")
-      .def(
-          "validate", [](const Settings& s) { validate(s); }, "Ranges, and the rules between settings.")
-      .def("brief", [](const Settings& s) { return changed_from_default(s); });
+/// Rows of what can be set: name, unit, default, rule, choices, doc.
+nb::list describe(const FieldTable& table) {
+  return list_of(table.fields(), [](const Field& f) {
+    return dict_of("name", f.name, "unit", f.unit, "default", f.default_value, "rule", f.rule_text(),
+                   "choices", f.choices ? f.choices() : std::vector<std::string>(), "doc", f.doc);
+  });
 }
 
+/// The methods that every described struct has: get, set, update, to_dict, changed, copy, fields, markdown,
+/// ==.
+template <typename S>
+nb::class_<S> bind_described(nb::module_& m, const char* name, const char* doc) {
+  const auto set = [](S& s, const std::string& field, const FieldValue& value, const std::string& owner) {
+    S::fields().set(&s, field, value, owner);
+  };
+  const auto update = [](S& s, const FieldMap& values, const std::string& owner) {
+    S::fields().set_all(&s, values, owner);
+  };
+  return nb::class_<S>(m, name, doc)
+      .def(nb::init<>())
+      .def(
+          "get", [](const S& s, const std::string& field) { return S::fields().get(&s, field); }, "name"_a)
+      .def("set", set, "name"_a, "value"_a.none(), "owner"_a = "", "Checks the range, then assigns.")
+      .def("update", update, "values"_a, "owner"_a = "", "Assigns all entries, or none when one is refused.")
+      .def("to_dict", [](const S& s) { return S::fields().to_map(&s); })
+      .def("changed", [](const S& s) { return S::fields().changed_from_default(&s); })
+      .def(
+          "listing", [](const S& s) { return S::fields().listing(&s); }, "One 'name = value unit' a line.")
+      .def("copy", [](const S& s) { return S(s); })
+      .def("__eq__", [](const S& s, const S& o) { return S::fields().to_map(&s) == S::fields().to_map(&o); })
+      .def_static("fields", [] { return describe(S::fields()); })
+      .def_static("markdown", [] { return S::fields().markdown(); });
+}
+
+/// A material, and all that come with Stark.
 template <typename Material>
-nb::list bind_presets(const std::vector<materials::Preset<Material>>& presets) {
-  return list_of(presets, [](const auto& p) { return nb::make_tuple(p.name, p.source, p.material); });
+void bind_material(nb::module_& m, const char* name, const char* doc, const char* presets,
+                   const std::vector<materials::Preset<Material>>& (*all)()) {
+  bind_described<Material>(m, name, doc);
+  const auto rows = [all] {
+    return list_of(all(), [](const auto& p) { return nb::make_tuple(p.name, p.source, p.material); });
+  };
+  m.def(presets, rows, "(name, source, material) of each.");
 }
 
 nb::dict section_to_dict(const RodMaterial& material) {
@@ -49,18 +66,19 @@ nb::dict section_to_dict(const RodMaterial& material) {
 }  // namespace
 
 void bind_settings(nb::module_& m) {
-  bind_settings_class(m);
-  bind_described<ShellMaterial>(m, "ShellMaterial", "Parameters of cloth and thin shells.");
-  bind_described<SolidMaterial>(m, "SolidMaterial", "Parameters of soft solids.");
-  bind_described<RodMaterial>(m, "RodMaterial", "Parameters of rods.");
+  bind_described<Settings>(m, "Settings", "All settings of a simulation by dotted name.")
+      .def("set_text", &set_from_text, "name"_a, "text"_a)
+      .def("assign", &set, "name"_a, "value"_a.none(),
+           "As set(), and knows time_step, contact_distance and threads.")
+      .def("read", &get, "name"_a, "As get(), and knows the short names.")
+      .def("validate", nb::overload_cast<const Settings&>(&validate),
+           "Ranges, and the rules between settings.")
+      .def("brief", nb::overload_cast<const Settings&>(&changed_from_default));
+  bind_material(m, "ShellMaterial", "Parameters of cloth and thin shells.", "shell_presets",
+                materials::shell_presets);
+  bind_material(m, "SolidMaterial", "Parameters of soft solids.", "solid_presets", materials::solid_presets);
+  bind_material(m, "RodMaterial", "Parameters of rods.", "rod_presets", materials::rod_presets);
   m.def("rod_section", &section_to_dict, "material"_a, "What the cross-section gives a rod.");
-  m.def(
-      "rod_presets", [] { return bind_presets(materials::rod_presets()); },
-      "(name, source, material) of each.");
-  m.def(
-      "shell_presets", [] { return bind_presets(materials::shell_presets()); },
-      "(name, source, material) of each.");
-  m.def(
-      "solid_presets", [] { return bind_presets(materials::solid_presets()); },
-      "(name, source, material) of each.");
 }
+
+}  // namespace stark::bindings

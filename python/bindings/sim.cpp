@@ -1,29 +1,21 @@
 // Bindings of Simulation. The Python front end is stark/simulation.py.
-#include <nanobind/nanobind.h>
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
-
 #include <optional>
 
 #include <stark/base/hash.h>
 #include <stark/base/thread_pool.h>
 #include <stark/sim/contact_arrays.h>
 #include <stark/sim/placing.h>
-#include <stark/sim/simulation.h>
 
-#include "casters.h"
-#include "domains.h"
 #include "stepping.h"
-#include "watch.h"
 #include "with_arrays.h"
 
-namespace {
+namespace stark::bindings {
 
-namespace nb = nanobind;
-using namespace nb::literals;
-using namespace stark;
-using namespace stark::bindings;
+/// Force, then torque.
+template <>
+struct NumbersOf<Wrench> : NumbersOf<Vec3> {};
+
+namespace {
 
 /// What Ctrl-C raises.
 void raise_signals() {
@@ -89,11 +81,54 @@ nb::list close_bodies(const Simulation& sim) {
   return pairs;
 }
 
-nb::tuple target_pose(const Simulation& sim, BodyId body) {
-  Vec3 position;
-  Mat3 rotation;
-  sim.target_pose(body, position, rotation);
-  return nb::make_tuple(position, rotation);
+std::pair<Vec3, Mat3> target_pose(const Simulation& sim, BodyId body) {
+  std::pair<Vec3, Mat3> pose;
+  sim.target_pose(body, pose.first, pose.second);
+  return pose;
+}
+
+nb::tuple poses(const Simulation& sim, const std::vector<BodyId>& bodies) {
+  std::vector<Vec3> positions;
+  std::vector<Mat3> rotations;
+  for (const BodyId body : bodies) {
+    positions.push_back(sim.position(body));
+    rotations.push_back(sim.rotation(body));
+  }
+  return nb::make_tuple(to_numpy(positions), to_numpy(rotations, {bodies.size(), 3, 3}));
+}
+
+std::optional<SurfaceMotion> surface_motion(const Simulation& sim, BodyId body) {
+  if (!sim.scene().surface_motion(body)) return std::nullopt;
+  return sim.surface_motion(body);
+}
+
+nb::dict contact_dict(const Simulation& sim) {
+  nb::dict dict;
+  contact_arrays(sim).for_each(
+      [&](const char* name, auto& array) { dict[name] = ArrayOf{std::move(array)}; });
+  return dict;
+}
+
+nb::dict variable_dict(Simulation& sim, BodyId body) {
+  nb::dict found;
+  for (InternalVariable& variable : sim.internal_variables(body))
+    found[variable.name.c_str()] =
+        nb::make_tuple(variable.points, variable.width, ArrayOf{std::move(variable.values)});
+  return found;
+}
+
+/// Two answers about a body as a pair.
+template <auto first, auto second>
+constexpr auto both = [](const Simulation& s, BodyId body) {
+  return std::pair(std::invoke(first, s, body), std::invoke(second, s, body));
+};
+
+/// Sets numbers by name, which errors tell.
+template <typename Id>
+auto setting_numbers(void (Simulation::*set)(Id, const std::string&, std::span<const double>)) {
+  return [=](Simulation& s, Id id, const std::string& name, nb::handle numbers) {
+    (s.*set)(id, name, array_of<double>(numbers, name, "a flat array of numbers"));
+  };
 }
 
 /// How many of a kind the scene has.
@@ -103,8 +138,7 @@ constexpr auto count_of = [](const Simulation& s) { return (s.scene().*parts)().
 void bind_time(nb::class_<Simulation>& c) {
   c.def("step", &run_step, "max_time_step"_a = nb::none(), "progress"_a = nb::none(),
         "progress_period"_a = 0.0)
-      .def_prop_ro(
-          "report", [](const Simulation& s) { return s.report(); }, "Report of the last step.")
+      .def_prop_ro("report", &Simulation::report, nb::rv_policy::copy, "Report of the last step.")
       .def_prop_ro("time", &Simulation::time)
       .def_prop_ro("time_step", [](const Simulation& s) { return s.next_step().length; })
       .def(
@@ -114,8 +148,7 @@ void bind_time(nb::class_<Simulation>& c) {
             return nb::make_tuple(planned.length, planned.end);
           },
           "max_time_step"_a = nb::none(), "Length of the coming step and the time at its end [s].")
-      .def_prop_rw(
-          "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state)
+      .def_prop_rw("state", &Simulation::state, &Simulation::set_state, nb::for_getter(nb::rv_policy::copy))
       .def("reset", &Simulation::reset, "Rewinds to the start.")
       .def("check_state", &Simulation::check_state, "Findings about the state that do not prevent a step.")
       .def("close_bodies", &close_bodies,
@@ -124,33 +157,17 @@ void bind_time(nb::class_<Simulation>& c) {
            "Takes the step from `before` to `state` again; whether it came to the same places.")
       .def_prop_ro("state_hash", [](const Simulation& s) { return to_hex(s.state().hash()); })
       .def_prop_ro("thread_count", &Simulation::thread_count)
-      .def_prop_ro(
-          "gravity", [](const Simulation& s) { return s.settings().gravity; }, "(3,) [m/s^2]")
+      .def_prop_ro("gravity", path<&Simulation::settings, &Settings::gravity>, "(3,) [m/s^2]")
       .def_prop_ro("dof_count", &Simulation::dof_count)
-      .def_prop_ro("body_count", [](const Simulation& s) { return s.scene().body_count(); });
+      .def_prop_ro("body_count", path<&Simulation::scene, &Scene::body_count>);
 }
 
 void bind_bodies(nb::class_<Simulation>& c) {
   c.def("positions", with_arrays<&Simulation::positions>)
       .def("velocities", with_arrays<&Simulation::velocities>)
-      .def("pose", [](const Simulation& s,
-                      BodyId body) { return nb::make_tuple(s.position(body), s.rotation(body)); })
-      .def(
-          "poses",
-          [](const Simulation& s, const std::vector<BodyId>& bodies) {
-            std::vector<Vec3> positions;
-            std::vector<Mat3> rotations;
-            for (const BodyId body : bodies) {
-              positions.push_back(s.position(body));
-              rotations.push_back(s.rotation(body));
-            }
-            return nb::make_tuple(to_numpy(positions), to_numpy(rotations, {bodies.size(), 3, 3}));
-          },
-          "bodies"_a, "Of mesh frames: positions (k, 3) [m], rotations (k, 3, 3).")
-      .def("twist",
-           [](const Simulation& s, BodyId body) {
-             return nb::make_tuple(s.linear_velocity(body), s.angular_velocity(body));
-           })
+      .def("pose", both<&Simulation::position, &Simulation::rotation>)
+      .def("poses", &poses, "bodies"_a, "Of mesh frames: positions (k, 3) [m], rotations (k, 3, 3).")
+      .def("twist", both<&Simulation::linear_velocity, &Simulation::angular_velocity>)
       .def("center_velocity", &Simulation::centre_velocity, "body"_a, "Of the centre of mass (3,) [m/s].")
       .def("acceleration", with_arrays<&Simulation::acceleration, "point">)
       .def("set_pose", with_arrays<&Simulation::set_pose, "position", "rotation: a 3 x 3 matrix">, "body"_a,
@@ -160,14 +177,8 @@ void bind_bodies(nb::class_<Simulation>& c) {
       .def("set_surface_motion",
            with_arrays<&Simulation::set_surface_motion, "surface_velocity", "surface_spin">, "body"_a,
            "velocity"_a, "spin"_a)
-      .def(
-          "surface_motion",
-          [](const Simulation& s, BodyId body) -> std::optional<nb::tuple> {
-            if (!s.scene().surface_motion(body)) return std::nullopt;
-            const SurfaceMotion motion = s.surface_motion(body);
-            return nb::make_tuple(motion.velocity, motion.spin, motion.center);
-          },
-          "body"_a, "Velocity, spin and center of the motion of a surface; None where it rests.")
+      .def("surface_motion", &surface_motion, "body"_a,
+           "Velocity, spin and center of the motion of a surface; None where it rests.")
       .def("pin_targets", with_arrays<&Simulation::pin_targets>)
       .def("set_pin_targets",
            with_arrays<&Simulation::set_pin_targets, "targets: an (n, 3) array of positions">, "body"_a,
@@ -177,67 +188,30 @@ void bind_bodies(nb::class_<Simulation>& c) {
       .def("set_clamp_targets",
            with_arrays<&Simulation::set_clamp_targets, "targets: an (n, 9) array of rotations">, "body"_a,
            "targets"_a, "duration"_a = nb::none())
-      .def(
-          "set_rest_state",
-          [](Simulation& s, BodyId body, const std::string& name, nb::handle numbers) {
-            s.set_rest_state(body, name, numbers_of<double>(numbers, name, "a flat array of numbers"));
-          },
-          "body"_a, "name"_a, "values"_a);
+      .def("set_rest_state", setting_numbers(&Simulation::set_rest_state), "body"_a, "name"_a, "values"_a);
 }
 
 void bind_energies_and_joints(nb::class_<Simulation>& c) {
-  c.def(
-       "set_energy_value",
-       [](Simulation& s, EnergyId energy, const std::string& name, nb::handle values) {
-         s.set_energy_value(energy, name, numbers_of<double>(values, name, "a flat array of numbers"));
-       },
-       "energy"_a, "name"_a, "values"_a)
+  c.def("set_energy_value", setting_numbers(&Simulation::set_energy_value), "energy"_a, "name"_a, "values"_a)
       .def("element_energies", with_arrays<&Simulation::element_energies>, "energy"_a,
            "Energies of its elements (n,) [J].")
       .def("element_forces", with_arrays<&Simulation::element_forces>, "energy"_a,
            "Forces on the points of its elements in the last step (n * points, 3) [N].")
-      .def(
-          "energy_totals",
-          [](const Simulation& s, EnergyId energy) {
-            TouchingPlane plane = s.energy_plane(energy);
-            return nb::make_tuple(to_numpy(std::move(plane.totals)), to_numpy(std::move(plane.slopes)));
-          },
-          "energy"_a, "Totals of an energy, and its derivatives by them.")
+      .def("energy_totals", path_of(&Simulation::energy_plane, &TouchingPlane::totals), "energy"_a)
+      .def("energy_slopes", path_of(&Simulation::energy_plane, &TouchingPlane::slopes), "energy"_a,
+           "Derivatives of an energy by its totals.")
       .def("mean_stresses", with_arrays<&Simulation::mean_stresses>, "body"_a,
            "Cauchy stress of each element (m, 3, 3) [Pa], of cloth times the thickness [N/m].")
-      .def(
-          "internal_variables",
-          [](Simulation& s, BodyId body) {
-            nb::dict found;
-            for (InternalVariable& variable : s.internal_variables(body))
-              found[variable.name.c_str()] =
-                  nb::make_tuple(variable.points, variable.width, to_numpy(std::move(variable.values)));
-            return found;
-          },
-          "body"_a, "By name: quadrature points of an element, numbers of a value, all numbers.")
+      .def("internal_variables", &variable_dict, "body"_a,
+           "By name: quadrature points of an element, numbers of a value, all numbers.")
       .def("pin_forces", with_arrays<&Simulation::pin_forces>, "body"_a,
            "Forces that hold the pins in the last step (k, 3) [N].")
       .def("clamp_torques", with_arrays<&Simulation::clamp_torques>, "body"_a,
            "Torques that hold the clamped frames in the last step (k, 3) [N m].")
-      .def(
-          "section_wrenches",
-          [](const Simulation& s, BodyId body) {
-            std::vector<Vec3> forces, torques;
-            for (const auto& [force, torque] : s.section_wrenches(body)) {
-              forces.push_back(force);
-              torques.push_back(torque);
-            }
-            return nb::make_tuple(to_numpy(std::move(forces)), to_numpy(std::move(torques)));
-          },
-          "body"_a, "(forces (m, 3) [N], torques (m, 3) [N m]) that the segments of a rod transmit.")
-      .def(
-          "holding_wrench",
-          [](Simulation& s, BodyId body) {
-            const auto [force, torque] = s.holding_wrench(body);
-            return nb::make_tuple(force, torque);
-          },
-          "body"_a,
-          "(force [N], torque [N m]) that hold or drive a rigid body in the last step, about its origin.")
+      .def("section_wrenches", with_arrays<&Simulation::section_wrenches>, "body"_a,
+           "Forces [N] and torques [N m] that the segments of a rod transmit (m, 6).")
+      .def("holding_wrench", &Simulation::holding_wrench, "body"_a,
+           "(force [N], torque [N m]) that hold or drive a rigid body in the last step, about its origin.")
       .def_prop_ro("joint_count", count_of<&Scene::joints>)
       .def_prop_ro("exclusion_count", &Simulation::exclusion_count)
       .def("joint_coordinates", with_arrays<&Simulation::joint_coordinates>, "joint"_a, "[m, rad]")
@@ -247,13 +221,8 @@ void bind_energies_and_joints(nb::class_<Simulation>& c) {
           "joint"_a, "coordinate"_a, "One of them [m, rad].")
       .def("joint_rates", with_arrays<&Simulation::joint_rates>, "joint"_a, "[m/s, rad/s]")
       .def("joint_residuals", with_arrays<&Simulation::joint_residuals>, "joint"_a, "[m, rad]")
-      .def(
-          "joint_reaction",
-          [](const Simulation& s, JointId joint) {
-            const auto [force, torque] = s.joint_reaction(joint);
-            return nb::make_tuple(force, torque);
-          },
-          "joint"_a, "(force [N], torque [N m]) on frame b in the last step.")
+      .def("joint_reaction", &Simulation::joint_reaction, "joint"_a,
+           "(force [N], torque [N m]) on frame b in the last step.")
       .def("joint_enabled", &Simulation::joint_enabled, "joint"_a)
       .def("joint_broken", &Simulation::joint_broken, "joint"_a)
       .def("set_joint_enabled", &Simulation::set_joint_enabled, "joint"_a, "enabled"_a)
@@ -302,7 +271,7 @@ void bind_actuators_and_attachments(nb::class_<Simulation>& c) {
           "attachment"_a,
           "First number of its pairs in held_places, three for each; -1 if it has none there.")
       .def_prop_ro(
-          "held_places", [](const Simulation& s) { return ArrayOf{s.held_places()}; },
+          "held_places", with_arrays<&Simulation::held_places>,
           "Where side a is on the carriers of side b, of joints, then of pairs that hold what they find.")
       .def_prop_ro("skin_count", count_of<&Scene::skins>)
       .def_prop_ro("fibres_count", [](const Simulation& s) { return s.scene().fibres().size(); })
@@ -337,6 +306,20 @@ void bind_placing(nb::class_<Simulation>& c) {
       .def("push_joint", with_arrays<&Simulation::push_joint, "rates: numbers">, "joint"_a, "rates"_a);
 }
 
+/// What is asked of contact.
+void bind_contacts(nb::module_& m) {
+  m.def("contacts", &contact_dict, "simulation"_a,
+        "The contacts of the last step: arrays with one row each; forces are on the first body.");
+  m.def("contact_force", &Simulation::contact_force, "simulation"_a, "body"_a,
+        "Sum of the contact forces on a body in the last step (3,) [N].");
+  m.def("vertex_contact_forces", with_arrays<&Simulation::vertex_contact_forces>, "simulation"_a, "body"_a,
+        "Sum of the contact forces on each vertex of a body in the last step (n, 3) [N].");
+  m.def("closest_points", &Simulation::closest_points, "simulation"_a, "a"_a, "b"_a,
+        "Distance of two bodies [m], and where they are nearest [m].");
+  m.def("inner_vertices", with_arrays<inner_vertices>, "simulation"_a, "body"_a,
+        "Vertices inside flat faces of a rigid body, where contact never acts (n,).");
+}
+
 }  // namespace
 
 void bind_simulation(nb::module_& m) {
@@ -358,4 +341,7 @@ void bind_simulation(nb::module_& m) {
   bind_energies_and_joints(simulation);
   bind_actuators_and_attachments(simulation);
   bind_placing(simulation);
+  bind_contacts(m);
 }
+
+}  // namespace stark::bindings

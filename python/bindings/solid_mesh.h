@@ -5,9 +5,13 @@
 
 #include <stark/geometry/solid_mesh.h>
 
-#include "arrays.h"
+#include "given.h"
 
 namespace stark::bindings {
+
+/// Part, mean and mean square in a row.
+template <>
+struct NumbersOf<CellFilling> : NumbersOf<Vec3> {};
 
 /// Sets type and elements of the mesh from an (m, 4), (m, 8), (m, 10) or (m, 27) array; throws
 /// InvalidArgument for other shapes.
@@ -25,18 +29,25 @@ inline void read_elements(nb::handle object, const std::string& name, SolidMesh&
                         " nodes an element: must be 4, 8, 10 or 27");
 }
 
-/// What a solid carries along, from the keys "cells" (k,), "triangles" (m, 3) and "filling" (elements, 7):
-/// part, mean and mean square of each element.
-inline Embedding embedding_of(const nb::dict& given, const std::string& owner) {
+/// What a solid carries along, from the keys "cells" (k,), "triangles" (m, 3) and "filling" (elements, 7).
+inline Embedding embedding_of(nb::handle entries, const std::string& owner) {
+  const Given given(entries, owner);
+  given.require("cells", "triangles", "filling");
   Embedding embedding;
-  using Filling = std::array<double, 7>;
-  embedding.elements = numbers_of<int32_t>(given["cells"], owner + ": cells", "an array of shape (k,)");
-  embedding.triangles =
-      rows_of<Index3, int32_t, 3>(given["triangles"], owner + ": triangles", "an array of shape (m, 3)");
-  for (const Filling& f :
-       rows_of<Filling, double, 7>(given["filling"], owner + ": filling", "an array of shape (elements, 7)"))
-    embedding.fillings.push_back({f[0], {f[1], f[2], f[3]}, {f[4], f[5], f[6]}});
+  given.read("cells", embedding.elements, "an array of shape (k,)");
+  given.read("triangles", embedding.triangles, "an array of shape (m, 3)");
+  given.read("filling", embedding.fillings, "an array of shape (elements, 7)");
   return embedding;
 }
 
+/// (vertices, elements)
+inline auto arrays_of_mesh(const SolidMesh& mesh) {
+  const size_t count = mesh.element_count(), nodes = mesh.node_count();
+  return std::pair(to_numpy(mesh.vertices), to_numpy(mesh.elements, {count, nodes}));
+}
+
 }  // namespace stark::bindings
+
+template <>
+struct nanobind::detail::type_caster<stark::SolidMesh>
+    : OneWayCaster<stark::SolidMesh, stark::bindings::arrays_of_mesh> {};

@@ -1,18 +1,12 @@
 // Bindings of states: values that are compared, copied and taken apart into arrays.
-#include <nanobind/operators.h>
-#include <nanobind/stl/string.h>
-
 #include <vector>
 
 #include <stark/base/hash.h>
 #include <stark/mechanics/state.h>
 
 #include "casters.h"
-#include "domains.h"
 
 namespace stark::bindings {
-
-using namespace nb::literals;
 
 namespace {
 
@@ -33,12 +27,7 @@ nb::dict state_arrays(const State& state) {
   return arrays;
 }
 
-nb::list state_fields() {
-  const State none;
-  return list_of(arrays_of(none), [](const StateArray& field) {
-    return dict_of("name", field.name, "unit", field.unit, "meaning", field.meaning);
-  });
-}
+std::vector<StateArray> state_fields() { return arrays_of(State()); }
 
 State state_of_arrays(const nb::dict& given) {
   using Any = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;
@@ -62,21 +51,22 @@ State state_of_arrays(const nb::dict& given) {
 }
 
 }  // namespace
-}  // namespace stark::bindings
 
-void bind_state(nanobind::module_& m) {
-  using namespace stark;
-  using namespace stark::bindings;
+void bind_state(nb::module_& m) {
   nb::class_<State>(m, "State", "Everything that changes in time, as a value.")
       .def_prop_ro("time", path<&State::time>, "Simulated time [s].")
       .def_prop_ro("time_step", path<&State::time_step>,
                    "Length of the next step, or less for the next mark [s].")
       .def_prop_ro("step_count", path<&State::step_count>, "Accepted steps so far.")
-      .def_prop_ro("point_positions", array_at<&State::point_position>,
-                   "Positions of the points of cloth and solids (n, 3) [m].")
-      .def_prop_ro("point_velocities", array_at<&State::point_velocity>, "Their velocities (n, 3) [m/s].")
-      .def_prop_ro("body_positions", array_at<&State::body_position>,
-                   "Centres of mass of rigid bodies, nodes of rods (n, 3) [m].")
+      .def_prop_ro(
+          "point_positions", [](const State& s) { return ArrayOf{s.point_position}; },
+          "Positions of the points of cloth and solids (n, 3) [m].")
+      .def_prop_ro(
+          "point_velocities", [](const State& s) { return ArrayOf{s.point_velocity}; },
+          "Their velocities (n, 3) [m/s].")
+      .def_prop_ro(
+          "body_positions", [](const State& s) { return ArrayOf{s.body_position}; },
+          "Centres of mass of rigid bodies, nodes of rods (n, 3) [m].")
       .def_prop_ro(
           "hash", [](const State& s) { return to_hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.")
       .def(
@@ -93,3 +83,5 @@ void bind_state(nanobind::module_& m) {
       .def("first_difference", &first_difference,
            "Name of the first field that differs, '' when all bits are equal.");
 }
+
+}  // namespace stark::bindings

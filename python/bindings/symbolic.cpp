@@ -1,9 +1,7 @@
-// Bindings of the expression graph: traced scalars with the operators and functions of Python. Formulas are
-// built by running Python code on traced scalars, so whatever would need their values raises TraceError.
+// Bindings of expression graphs: inputs, nodes, derivatives, traced scalars with the operators and functions
+// of Python. Formulas are built by running Python code on traced scalars, so whatever would need their values
+// raises TraceError.
 #include "symbolic.h"
-
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 
 #include <stark/base/error.h>
 #include <stark/symbolic/evaluate.h>
@@ -13,8 +11,9 @@
 
 namespace stark::bindings {
 
-using namespace nb::literals;
 using symbolic::BinaryOperator;
+using symbolic::Graph;
+using symbolic::InputKind;
 using symbolic::Scalar;
 using symbolic::UnaryOperation;
 
@@ -49,11 +48,6 @@ std::vector<TracedScalar> require_traced_list(nb::handle sequence, const std::st
 
 namespace {
 
-const char* const kNoBranches =
-    "a formula is recorded once and then run for many inputs, so its values cannot steer Python code: write "
-    "stark.where(condition, a, b) for if, `&`, `|`, `~` for and, or, not, and stark.minimum, stark.maximum "
-    "for min, max; write both bounds of a < x < b with `&`";
-
 // Operators.
 
 /// bool becomes a condition where one is meant.
@@ -81,31 +75,10 @@ nb::object python_power(const TracedScalar& a, nb::handle exponent) {
   return operate(symbolic::kPower, a, exponent, false);
 }
 
-std::string representation(const TracedScalar& x) { return "Scalar(" + to_string(x.value, 200) + ")"; }
-
-double constant_value(const TracedScalar& x, const char* conversion) {
-  if (x.value.is_constant() && !x.value.is_condition()) return x.value.value();
-  throw TraceError(std::string(conversion) + " of the traced value " + short_text(x) +
-                   ": a formula is recorded once and then run for many inputs, so its values are not numbers "
-                   "yet; use the functions of stark (stark.sqrt, stark.sin, ...) instead of those of math, "
-                   "and only fixed numbers as indices, lengths and counts");
-}
-
-bool constant_truth(const TracedScalar& x) {
-  if (x.value.is_constant()) return x.value.value() != 0.0;
-  throw TraceError("the truth of the traced value " + short_text(x) + " was asked for (if, while, and, or, " +
-                   "not, min, max, sorted): " + kNoBranches);
-}
-
-[[noreturn]] void no_equality(const TracedScalar& x, nb::handle) {
-  throw TraceError("== or != of the traced value " + short_text(x) +
-                   ": equality of computed numbers is not part of formulas; compare with <= and >=, or use "
-                   "stark.symbolic.is_same(a, b) to ask whether two expressions are the same");
-}
-
-[[noreturn]] void no_such_operator(const TracedScalar& x, nb::handle) {
-  throw TraceError("// and % of the traced value " + short_text(x) +
-                   ": rounding has no derivative and is not part of formulas");
+/// An operator that formulas do not have.
+template <auto refuse>
+void refused(const TracedScalar& x, nb::handle) {
+  refuse(x);
 }
 
 // Functions.
@@ -116,14 +89,72 @@ TracedScalar where(nb::handle condition, nb::handle a, nb::handle b) {
   return symbolic::where(*c, require_traced(a, "where"), require_traced(b, "where"));
 }
 
+// Graphs.
+
+InputKind input_kind(const std::string& kind) {
+  if (kind == "unknown") return InputKind::Unknown;
+  if (kind == "element") return InputKind::Element;
+  if (kind == "uniform") return InputKind::Uniform;
+  throw InvalidArgument("input kind '" + kind + "': must be 'unknown', 'element' or 'uniform'" +
+                        nearest_name_hint(kind, {"unknown", "element", "uniform"}));
+}
+
+TracedScalar new_input(const std::shared_ptr<Graph>& graph, const std::string& kind,
+                       const std::string& name) {
+  const TracedScalar input{graph, graph->input(input_kind(kind))};
+  if (!name.empty()) graph->set_name(input.value, name);
+  return input;
+}
+
+void bind_graph(nb::module_& m) {
+  nb::class_<Graph>(m, "Graph", "Expression graph: equal expressions are one node. Not for two threads.")
+      .def(nb::init<>())
+      .def("input", new_input, "kind"_a = "unknown", "name"_a = "",
+           "New input. kind: 'unknown' (differentiated), 'element' (one value per element) or 'uniform'.")
+      .def(
+          "input_count",
+          [](const Graph& g, const std::string& kind) { return g.input_count(input_kind(kind)); }, "kind"_a,
+          "Number of inputs of a kind.")
+      .def(
+          "mark_stage", [](Graph& g, const TracedScalar& value) { g.mark_stage(value.value); }, "value"_a,
+          "Hint for differentiation: derivatives may go through this value. Never changes results.")
+      .def(
+          "set_name",
+          [](Graph& g, const TracedScalar& value, const std::string& name) { g.set_name(value.value, name); },
+          "value"_a, "name"_a, "Names a value for printing.")
+      .def_prop_ro(
+          "stages", [](const Graph& g) { return std::vector<symbolic::NodeId>(g.stages()); },
+          "Numbers of the nodes that were marked so.")
+      .def("__len__", &Graph::size);
+  m.def("jacobian", with_arrays<symbolic::jacobian, "jacobian: outputs", "jacobian: wrt">, "outputs"_a,
+        "wrt"_a, "Rows of derivatives of the outputs with respect to symbols.");
+  m.def("hessian", with_arrays<symbolic::hessian, "hessian: the output", "hessian: wrt">, "output"_a, "wrt"_a,
+        "Rows of second derivatives of an output with respect to symbols.");
+  m.def("substitute",
+        with_arrays<symbolic::substitute, "substitute: outputs", "substitute: inputs", "substitute: values">,
+        "outputs"_a, "inputs"_a, "values"_a,
+        "Expressions of another graph, with these values in place of its inputs.");
+}
+
+void bind_nodes(nb::class_<TracedScalar>& c) {
+  c.def_prop_ro("graph", path<&TracedScalar::graph>, "Graph, or None for a number.")
+      .def_prop_ro("id", path<&TracedScalar::value, &Scalar::id>, "Number of the node in its graph.")
+      .def_prop_ro("name", nb::overload_cast<const TracedScalar&>(&symbolic::name_of),
+                   "Name of an input, else ''.")
+      .def_prop_ro("operation", symbolic::operation_of,
+                   "'constant', 'input', or the operation: '+', 'sqrt', ...")
+      .def_prop_ro("operands", symbolic::operands_of, "Scalars that the operation is applied to.")
+      .def_prop_ro("is_constant", path<&TracedScalar::value, &Scalar::is_constant>, "Known number?")
+      .def_prop_ro("is_condition", path<&TracedScalar::value, &Scalar::is_condition>,
+                   "Made by a comparison?");
+}
+
 void bind_operators(nb::class_<TracedScalar>& c) {
   const auto on = [&c](const char* name, const BinaryOperator& op, bool on_the_right = false) {
-    c.def(
-        name,
-        [&op, on_the_right](const TracedScalar& self, nb::handle other) {
-          return operate(op, self, other, on_the_right);
-        },
-        nb::is_operator());
+    const auto call = [&op, on_the_right](const TracedScalar& self, nb::handle other) {
+      return operate(op, self, other, on_the_right);
+    };
+    c.def(name, call, nb::is_operator());
   };
   const auto both = [&on](const char* left, const char* right, const BinaryOperator& op) {
     on(left, op);
@@ -151,50 +182,36 @@ void bind_operators(nb::class_<TracedScalar>& c) {
   });
   c.def("__pos__", [](const TracedScalar& a) { return a; });
   c.def("__abs__", [](const TracedScalar& a) { return apply(symbolic::abs, a, "abs"); });
-  c.def("__eq__", no_equality, "other"_a.none());
-  c.def("__ne__", no_equality, "other"_a.none());
+  c.def("__eq__", refused<symbolic::refuse_equality>, "other"_a.none());
+  c.def("__ne__", refused<symbolic::refuse_equality>, "other"_a.none());
   c.def("__hash__", [](nb::handle self) { return reinterpret_cast<Py_ssize_t>(self.ptr()) >> 4; });
   for (const char* name : {"__mod__", "__rmod__", "__floordiv__", "__rfloordiv__"})
-    c.def(name, no_such_operator);
-  c.def("__bool__", constant_truth);
+    c.def(name, refused<symbolic::refuse_rounding>);
+  c.def("__bool__", symbolic::constant_truth);
   c.def("__float__", [](const TracedScalar& x) { return constant_value(x, "float()"); });
   c.def("__int__", [](const TracedScalar& x) { return static_cast<long long>(constant_value(x, "int()")); });
-  c.def("__index__", [](const TracedScalar& x) -> long long {
-    throw TraceError("the traced value " + short_text(x) +
-                     " was used as an index or a count; only fixed integers can be");
-  });
-  c.def("__repr__", representation);
+  c.def("__index__", symbolic::refuse_index, nb::sig("def __index__(self) -> int"));
+  c.def("__repr__", [](const TracedScalar& x) { return "Scalar(" + to_string(x.value, 200) + ")"; });
 }
 
 void bind_functions(nb::module_& m) {
-  for (const symbolic::NamedUnary& f : symbolic::kUnaryFunctions)
-    m.def(
-        f.name, [f](nb::handle x) { return apply(f.function, require_traced(x, f.name), f.name); }, "x"_a,
-        f.doc);
-  const auto binary = [&m](const char* name, symbolic::BinaryOperation function, const char* first,
-                           const char* second, const char* doc) {
-    m.def(
-        name,
-        [function, name](nb::handle a, nb::handle b) {
-          return apply(function, require_traced(a, name), require_traced(b, name), false, name);
-        },
-        nb::arg(first), nb::arg(second), doc);
-  };
-  binary("minimum", symbolic::min, "a", "b", "a < b ? a : b.");
-  binary("maximum", symbolic::max, "a", "b", "a > b ? a : b.");
-  binary("atan2", symbolic::atan2, "y", "x", "Angle [rad] of the direction (x, y).");
+  for (const symbolic::NamedUnary& f : symbolic::kUnaryFunctions) {
+    const auto call = [f](nb::handle x) { return apply(f.function, require_traced(x, f.name), f.name); };
+    m.def(f.name, call, "x"_a, f.doc);
+  }
+  for (const symbolic::NamedBinary& f : symbolic::kBinaryFunctions) {
+    const auto call = [f](nb::handle a, nb::handle b) {
+      return apply(f.function, require_traced(a, f.name), require_traced(b, f.name), false, f.name);
+    };
+    m.def(f.name, call, nb::arg(f.first), nb::arg(f.second), f.doc);
+  }
   m.def(
       "pow", [](nb::handle a, nb::handle b) { return python_power(require_traced(a, "pow"), b); }, "base"_a,
       "exponent"_a, "Power: products for integer exponents, else the real power of a base >= 0.");
   m.def("where", where, "condition"_a, "a"_a, "b"_a,
         "a where the condition holds, else b. The other branch never contributes, not even as NaN.");
-  m.def(
-      "fma",
-      [](nb::handle a, nb::handle b, nb::handle c) {
-        return symbolic::fused_multiply_add(require_traced(a, "fma"), require_traced(b, "fma"),
-                                            require_traced(c, "fma"));
-      },
-      "a"_a, "b"_a, "c"_a, "a b + c with one rounding.");
+  m.def("fma", with_arrays<symbolic::fused_multiply_add, "fma", "fma", "fma">, "a"_a, "b"_a, "c"_a,
+        "a b + c with one rounding.");
   m.def(
       "is_same",
       [](const TracedScalar& a, const TracedScalar& b) { return symbolic::is_same(a.value, b.value); }, "a"_a,
@@ -208,10 +225,8 @@ void bind_functions(nb::module_& m) {
 }
 
 }  // namespace
-}  // namespace stark::bindings
 
-void bind_symbolic(nanobind::module_& parent) {
-  using namespace stark::bindings;
+void bind_symbolic(nb::module_& parent) {
   nb::module_ m = parent.def_submodule("symbolic", "Expression graphs, derivatives, machine code.");
   bind_graph(m);
   nb::class_<TracedScalar> scalar(m, "Scalar", "A number of a formula: recorded, not computed.");
@@ -220,3 +235,5 @@ void bind_symbolic(nanobind::module_& parent) {
   bind_functions(m);
   bind_array_functions(m);
 }
+
+}  // namespace stark::bindings

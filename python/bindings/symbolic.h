@@ -1,17 +1,17 @@
-// Traced scalars at the border: from what Python has to those of symbolic/traced_scalar.
+// Traced scalars at the border: from what Python has to those of symbolic/traced_scalar; orders of
+// derivatives and back ends.
 #pragma once
-
-#include <nanobind/nanobind.h>
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <stark/symbolic/kernel.h>
 #include <stark/symbolic/traced_scalar.h>
 
-namespace stark::bindings {
+#include "with_arrays.h"
 
-namespace nb = nanobind;
+namespace stark::bindings {
 
 using symbolic::TracedScalar;
 
@@ -23,10 +23,45 @@ TracedScalar require_traced(nb::handle object, const std::string& name);
 /// The items of a sequence; throws TraceError naming the place of one that is not a scalar.
 std::vector<TracedScalar> require_traced_list(nb::handle sequence, const std::string& name);
 
-/// Graphs and derivatives, and what a scalar says about its node (symbolic_graph.cpp).
-void bind_graph(nb::module_& m);
-void bind_nodes(nb::class_<TracedScalar>& c);
+/// Functions of traced scalars are bound by with_arrays<function, "name for messages", ...>.
+template <>
+inline constexpr bool comes_as_array<TracedScalar> = true;
+template <>
+inline constexpr bool comes_as_array<std::vector<TracedScalar>> = true;
+template <>
+inline TracedScalar from_array(nb::handle object, const std::string& name) {
+  return require_traced(object, name);
+}
+template <>
+inline std::vector<TracedScalar> from_array(nb::handle sequence, const std::string& name) {
+  return require_traced_list(sequence, name);
+}
+
+inline symbolic::Backend backend_of(const std::string& name) {
+  return choice_of<symbolic::Backend>(name, "backend '" + name + "'");
+}
+
 /// Compiled functions of arrays (symbolic_functions.cpp).
 void bind_array_functions(nb::module_& m);
 
 }  // namespace stark::bindings
+
+namespace nanobind::detail {
+
+/// 0, 1 or 2.
+template <>
+struct type_caster<stark::symbolic::Order> {
+  NB_TYPE_CASTER(stark::symbolic::Order, const_name("int"))
+  bool from_python(handle object, uint32_t, cleanup_list*) {
+    const int order = cast<int>(object);
+    if (order < 0 || order > 2)
+      throw stark::InvalidArgument("order " + std::to_string(order) + ": must be 0, 1 or 2");
+    value = static_cast<stark::symbolic::Order>(order);
+    return true;
+  }
+  static handle from_cpp(stark::symbolic::Order order, rv_policy, cleanup_list*) noexcept {
+    return PyLong_FromLong(static_cast<long>(order));
+  }
+};
+
+}  // namespace nanobind::detail

@@ -1,23 +1,16 @@
 // Bindings of compiled functions of arrays: NumPy arrays of any strides in, new arrays out, without the lock
 // of the interpreter while code is built for an order or runs.
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
-
 #include <tuple>
 #include <utility>
 
 #include <stark/symbolic/array_function.h>
 
-#include "given.h"
 #include "symbolic.h"
 #include "without_gil.h"
 
 namespace stark::bindings {
 
-using namespace nb::literals;
 using symbolic::ArrayFunction;
-using symbolic::Backend;
 using symbolic::Order;
 using symbolic::Scalar;
 using symbolic::StridedArray;
@@ -26,52 +19,21 @@ namespace {
 
 using AnyArray = nb::ndarray<const double, nb::device::cpu>;
 using Shape = std::vector<int64_t>;
+/// Name, scalars, whether it is differentiated.
+using Argument = std::tuple<std::string, nb::object, bool>;
 
-Backend backend_of(const std::string& name) {
-  const auto& known = EnumNames<Backend>::kNames;
-  const std::vector<std::string> names(known.begin(), known.end());
-  for (size_t k = 0; k < names.size(); ++k) {
-    if (names[k] == name) return static_cast<Backend>(k);
-  }
-  throw InvalidArgument("backend '" + name +
-                        "': must be 'automatic', 'interpreter', 'avx2', 'avx512' or 'neon'" +
-                        nearest_name_hint(name, names));
-}
-
-Order order_of(int order) {
-  if (order < 0 || order > 2) throw InvalidArgument("order " + std::to_string(order) + ": must be 0, 1 or 2");
-  return static_cast<Order>(order);
-}
-
-/// Arguments are (name, scalars, differentiated).
-ArrayFunction compile_arrays(nb::handle outputs, nb::handle arguments, const std::string& backend) {
+ArrayFunction compile_arrays(nb::handle outputs, const std::vector<Argument>& arguments,
+                             const std::string& backend) {
   std::vector<Scalar> values;
   for (const TracedScalar& y : require_traced_list(outputs, "outputs")) values.push_back(y.value);
   std::vector<symbolic::ArrayArgument> inputs;
-  for (const nb::handle item : arguments) {
-    const auto [name, scalars, differentiated] = nb::cast<std::tuple<std::string, nb::object, bool>>(item);
+  for (const auto& [name, scalars, differentiated] : arguments) {
     symbolic::ArrayArgument& argument = inputs.emplace_back();
     argument.name = name;
     argument.differentiated = differentiated;
     for (const TracedScalar& x : require_traced_list(scalars, name)) argument.inputs.push_back(x.value);
   }
   return ArrayFunction(values, inputs, backend_of(backend));
-}
-
-/// View of an argument whose last dimensions are its own and whose leading ones broadcast to the batch.
-StridedArray strided(const AnyArray& array, const Shape& own, const Shape& batch) {
-  const size_t lead = array.ndim() - own.size();
-  StridedArray result{array.data(), std::vector<int64_t>(batch.size(), 0), {0}};
-  for (size_t d = 0; d < lead; ++d) {
-    if (array.shape(d) > 1) result.strides[batch.size() - lead + d] = array.stride(d);
-  }
-  for (size_t d = 0; d < own.size(); ++d) {
-    std::vector<int64_t> next;
-    for (const int64_t offset : result.offsets)
-      for (int64_t i = 0; i < own[d]; ++i) next.push_back(offset + i * array.stride(lead + d));
-    result.offsets = std::move(next);
-  }
-  return result;
 }
 
 /// New array of zeros of the given shape, and where its numbers are. NumPy gets the memory from the system
@@ -86,27 +48,28 @@ std::pair<nb::object, double*> zeros(const Shape& batch, const Shape& own) {
 
 /// Arrays of values, first and second derivatives, None where not asked for. Every array is float64 with its
 /// own shape last; `own_shapes` and `batch` are what the caller has checked them against.
-nb::tuple evaluate(const ArrayFunction& f, int order, bool with_values, bool with_first,
+nb::tuple evaluate(const ArrayFunction& f, Order order, bool with_values, bool with_first,
                    const std::vector<AnyArray>& arrays, const std::vector<Shape>& own_shapes,
                    const Shape& batch) {
-  const Order chosen = order_of(order);
   std::vector<StridedArray> arguments;
-  for (size_t a = 0; a < arrays.size(); ++a) arguments.push_back(strided(arrays[a], own_shapes[a], batch));
+  for (size_t a = 0; a < arrays.size(); ++a) {
+    const AnyArray& array = arrays[a];
+    const std::span shape(array.shape_ptr(), array.ndim()), strides(array.stride_ptr(), array.ndim());
+    arguments.push_back(
+        symbolic::broadcast(array.data(), shape, strides, own_shapes[a].size(), batch.size()));
+  }
   const int64_t m = f.output_count(), n = f.variable_count();
   nb::object values = nb::none(), first = nb::none(), second = nb::none();
   symbolic::ArrayResults results;
   if (with_values) std::tie(values, results.values) = zeros(batch, {m});
   if (with_first) std::tie(first, results.first) = zeros(batch, {m, n});
-  if (chosen == Order::Hessian) std::tie(second, results.second) = zeros(batch, {n, n});
-  {
-    const WithoutGil without;
-    f.evaluate(chosen, arguments, batch, results);
-  }
+  if (order == Order::Hessian) std::tie(second, results.second) = zeros(batch, {n, n});
+  without_gil([&] { f.evaluate(order, arguments, batch, results); });
   return nb::make_tuple(values, first, second);
 }
 
-nb::dict statistics(const ArrayFunction& f, int order) {
-  const symbolic::ArrayFunctionStatistics s = f.statistics(order_of(order));
+nb::dict statistics(const ArrayFunction& f, Order order) {
+  const symbolic::ArrayFunctionStatistics s = f.statistics(order);
   return dict_of("operations", s.operations, "instructions", s.instructions, "code_bytes", s.code_bytes,
                  "build_seconds", s.build_seconds, "algorithm", s.algorithm);
 }
@@ -116,8 +79,6 @@ nb::dict statistics(const ArrayFunction& f, int order) {
 void bind_array_functions(nb::module_& m) {
   nb::class_<ArrayFunction>(m, "ArrayFunction",
                             "Compiled values and derivatives of expressions over batches.")
-      .def_prop_ro("output_count", &ArrayFunction::output_count)
-      .def_prop_ro("variable_count", &ArrayFunction::variable_count)
       .def_prop_ro("backend", &ArrayFunction::backend)
       .def("uses", &ArrayFunction::uses, "argument"_a, "Whether the outputs depend on an argument.")
       .def("evaluate", evaluate, "order"_a, "with_values"_a, "with_first"_a, "arrays"_a, "own_shapes"_a,

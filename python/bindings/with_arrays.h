@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "casters.h"
+#include "given.h"
 
 namespace stark::bindings {
 
@@ -34,15 +34,11 @@ struct Kept<std::span<const T>> {
 };
 
 template <typename T>
-constexpr bool comes_as_array = false;
+constexpr bool comes_as_array = is_array<typename Kept<T>::type>;
 template <>
 inline constexpr bool comes_as_array<Vec3> = true;
 template <>
 inline constexpr bool comes_as_array<Mat3> = true;
-template <typename T>
-constexpr bool comes_as_array<std::span<const T>> = true;
-template <typename T>
-constexpr bool comes_as_array<std::vector<T>> = true;
 
 template <typename T>
 T from_array(nb::handle object, const std::string& text) {
@@ -52,27 +48,7 @@ T from_array(nb::handle object, const std::string& text) {
     name.pop_back();
     if (nb::hasattr(object, "__len__") && nb::len(object) == 0) return {};
   }
-  if constexpr (std::is_same_v<T, Vec3>) {
-    return vector_of(object, name);
-  } else if constexpr (std::is_same_v<T, Mat3>) {
-    return matrix_of(object, name, expected);
-  } else {
-    using Value = typename T::value_type;
-    using Number = typename NumbersOf<Value>::type;
-    constexpr long columns = sizeof(Value) / sizeof(Number);
-    if constexpr (columns == 1)
-      return numbers_of<Number>(object, name, expected);
-    else
-      return rows_of<Value, Number, columns>(object, name, expected);
-  }
-}
-
-template <typename Result>
-decltype(auto) to_array(Result&& result) {
-  if constexpr (comes_as_array<std::remove_cvref_t<Result>> && requires { result.size(); })
-    return ArrayOf{std::forward<Result>(result)};
-  else
-    return std::forward<Result>(result);
+  return read<T>(object, name, expected);
 }
 
 template <auto function, typename Signature, Text... texts>
@@ -109,6 +85,7 @@ template <typename Function>
 struct SignatureOf;
 template <typename Result, typename... Args>
 struct SignatureOf<Result (*)(Args...)> {
+  using result = Result;
   using type = Result(Args...);
 };
 template <typename Result, typename Class, typename... Args>

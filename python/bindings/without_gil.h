@@ -2,11 +2,9 @@
 // waits for it in turn: it would kill daemon threads where they ask for the GIL again, in the middle of C++.
 #pragma once
 
-#include <nanobind/nanobind.h>
+#include "domains.h"
 
 namespace stark::bindings {
-
-namespace nb = nanobind;
 
 /// Releases the GIL while it lives. In daemon threads that go on after the end of the main program it raises
 /// SystemExit instead, which ends them without a word.
@@ -26,6 +24,13 @@ bool must_end();
 
 /// Throws SystemExit where must_end(). Call it with the GIL.
 void leave_at_end();
+
+/// Calls the function without the GIL.
+template <typename Function>
+auto without_gil(const Function& function) {
+  const WithoutGil without;
+  return function();
+}
 
 /// Lets the end of the interpreter wait for work without the GIL.
 void wait_at_exit();

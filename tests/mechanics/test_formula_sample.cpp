@@ -41,3 +41,8 @@ TEST_CASE("elements have values and positions of their own") {
 TEST_CASE("values are as many as elements need") {
   CHECK_THROWS_WITH_AS(sample({2.0}), "k: got 1 numbers: must be 2", InvalidArgument);
 }
+
+TEST_CASE("points are as many as before") {
+  FormulaSample springs = sample({2.0, 3.0});
+  CHECK_THROWS_WITH_AS(springs.set_positions({Vec3{}}), "x: got 1 points: must be 2", InvalidArgument);
+}

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
+import numpy as np
 import pytest
 
 import stark
 from stark import _core, mesh
 from stark.scene_record import RecordedScene
+
+FRAME: dict[str, Any] = {"carrier": "world", "position": np.zeros(3), "rotation": np.eye(3).reshape(-1)}
 
 
 def make_scene() -> stark.Scene:
@@ -128,3 +132,33 @@ def test_wrong_groups_are_refused() -> None:
         with pytest.raises(stark.InvalidArgument, match=message):
             wrong()
     assert len(scene._core.calls) == calls
+
+
+@pytest.mark.parametrize(
+    ("what", "given", "missing"),
+    [
+        ("joint", {"definition": _core.find_joint("hinge"), "a": FRAME}, "b"),
+        (
+            "joint",
+            {"definition": _core.find_joint("hinge"), "a": {**FRAME, "carrier": "patch"}, "b": FRAME},
+            "vertices",
+        ),
+        ("attachment", {"a": {"kind": "world"}, "b": []}, "local"),
+        ("actuator", {"definition": _core.find_actuator(_core.actuator_names()[0])}, "on"),
+    ],
+)
+def test_the_core_wants_whole_descriptions(what: str, given: dict[str, Any], missing: str) -> None:
+    """As files that are damaged do not have them."""
+    with pytest.raises(KeyError, match=missing):
+        getattr(_core.Scene(), f"add_{what}")(given)
+
+
+def test_the_core_knows_its_kinds_of_points_and_frames() -> None:
+    with pytest.raises(
+        stark.InvalidArgument, match=r"points: kind = 'vertex': must be one of 'vertices', 'point'"
+    ):
+        _core.Scene().add_attachment({"a": {"kind": "vertex", "local": np.zeros((1, 3))}, "b": []})
+    with pytest.raises(
+        stark.InvalidArgument, match="frame: carrier = 'bodi': must be one of 'world', 'body'"
+    ):
+        _core.Scene().add_joint({"a": {**FRAME, "carrier": "bodi"}, "b": FRAME})

@@ -27,6 +27,8 @@ TEST_CASE("a description has the fields of its kind") {
   CHECK(names_of<ClothDescription>().contains("rest_angles"));
   CHECK(names_of<RodDescription>().contains("normal"));
   CHECK(names_of<JointDescription>().contains("break_torque"));
+  CHECK(names_of<PointSet>().contains("supports"));
+  CHECK(names_of<FrameDescription>().contains("carrier"));
 }
 
 TEST_CASE("fields are the members themselves") {

@@ -23,12 +23,15 @@ TEST_CASE("frames turn with the body and begin with the normal that was given") 
   Scene scene;
   const Mat3 R = exp_rotation({0.3, -0.5, 0.9});
   const BodyId sheet = scene.add_cloth({.mesh = make_grid(2, 2, 2, 2), .rotation = R});
-  const FibresDescription fibres{.body = sheet, .paths = {{0, 1, 2}}, .normal = Vec3{0, 0, 1}};
+  FibresDescription fibres{.body = sheet, .paths = {{0, 1, 2}}, .normal = Vec3{0, 0, 1}};
   const PathFrames frames = path_frames(scene, fibres)[0];
+  CHECK(initial_frames(scene, fibres) == frames.initial);
   REQUIRE(frames.rest.size() == 3);
   CHECK(norm(frames.rest[0].column(0) - Vec3{0, 0, 1}) < 1e-15);
   CHECK(norm(frames.rest[0].column(2) - Vec3{1, 0, 0}) < 1e-15);
   for (int n = 0; n < 3; ++n) CHECK(difference(frames.initial[n], R * frames.rest[n]) < 1e-15);
+  fibres.bending = false;
+  CHECK(initial_frames(scene, fibres).empty());
 }
 
 TEST_CASE("frames of a body that starts in another shape follow it, without a strain from a rigid turn") {

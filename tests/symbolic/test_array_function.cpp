@@ -157,3 +157,11 @@ TEST_CASE("what cannot be compiled is refused") {
   CHECK(!unused.uses(1));
   CHECK_THROWS_AS(unused.evaluate(Order::Energy, {}, {}, {}), InvalidArgument);
 }
+
+TEST_CASE("leading dimensions of an array broadcast to the batch, its last ones are the argument's") {
+  // An array of shape (3, 1, 2) as an argument of two numbers over a batch (4, 3, 5).
+  const int64_t shape[] = {3, 1, 2}, strides[] = {2, 2, 1};
+  const StridedArray view = broadcast(nullptr, shape, strides, 1, 3);
+  CHECK(view.strides == std::vector<int64_t>{0, 2, 0});
+  CHECK(view.offsets == std::vector<int64_t>{0, 1});
+}

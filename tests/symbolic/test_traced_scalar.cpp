@@ -86,3 +86,14 @@ TEST_CASE("expressions of one graph with values of another in place of inputs") 
   CHECK(is_same(result[0].value, product(u, kTwo).value));
   CHECK(result[1].value.value() == 2.0);
 }
+
+TEST_CASE("values of formulas are not numbers of the language that records them") {
+  const TracedScalar x = symbol(std::make_shared<Graph>());
+  CHECK(constant_value(kTwo, "float()") == 2.0);
+  CHECK(constant_truth(kTwo));
+  CHECK_THROWS_AS(constant_value(x, "float()"), TraceError);
+  CHECK_THROWS_AS(constant_truth(x), TraceError);
+  CHECK_THROWS_AS(refuse_equality(x), TraceError);
+  CHECK_THROWS_AS(refuse_rounding(x), TraceError);
+  CHECK_THROWS_AS(refuse_index(x), TraceError);
+}

@@ -103,14 +103,14 @@ class Rod(DeformableBody):
     def section_forces(self) -> Floats:
         """Force through the middle of each segment in the last step (n - 1, 3) [N], world axes: of the side
         behind it, towards the last node, on the side before. Damping and active forces are in it."""
-        found = self._require_simulation("section_forces")._core.section_wrenches(self._index)[0]
+        found = self._require_simulation("section_forces")._core.section_wrenches(self._index)[:, :3]
         return reading(found, self, "section_forces")
 
     @property
     def section_moments(self) -> Floats:
         """Bending moment and torque through the middle of each segment in the last step (n - 1, 3) [N m],
         world axes, of the side behind it on the side before."""
-        found = self._require_simulation("section_moments")._core.section_wrenches(self._index)[1]
+        found = self._require_simulation("section_moments")._core.section_wrenches(self._index)[:, 3:]
         return reading(found, self, "section_moments")
 
     @property

@@ -73,19 +73,20 @@ class Energy(Handle):
     @property
     def totals(self) -> Mapping[str, float]:
         """Of an energy of totals: the sums at the end of the last step, by their names."""
-        return self._of_totals("totals", 0)
+        return self._of_totals("totals")
 
     @property
     def total_slopes(self) -> Mapping[str, float]:
         """Derivatives of an energy of totals by these [J per unit]: of a gas, minus its pressure by its
         volume."""
-        return self._of_totals("total_slopes", 1)
+        return self._of_totals("total_slopes")
 
-    def _of_totals(self, what: str, place: int) -> Mapping[str, float]:
+    def _of_totals(self, what: str) -> Mapping[str, float]:
         known = self._binding.trace.totals
         if known is None:
             return {}
-        values = self._require_simulation(what)._core.energy_totals(self._index)[place]
+        core = self._require_simulation(what)._core
+        values = core.energy_totals(self._index) if what == "totals" else core.energy_slopes(self._index)
         names = [name or f"total {k}" for k, name in enumerate(known.names)]
         return dict(zip(names, (float(v) for v in values), strict=False))
 

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <span>
+#include <tuple>
 
+#include <stark/base/reading.h>
 #include <stark/geometry/mesh.h>
 
 namespace stark {
@@ -14,6 +16,14 @@ struct MassProperties {
   double mass = 0.0;     // [kg]
   Vec3 centre;           // centre of mass [m]
   Mat3 inertia;          // about the centre of mass, in the axes of the mesh [kg m^2]
+};
+template <>
+struct Readings<MassProperties> {
+  using P = MassProperties;
+  static constexpr std::tuple kAll{reading<&P::measure>("measure", "volume [m^3] or area [m^2]"),
+                                   reading<&P::mass>("mass", "[kg]"),
+                                   reading<&P::centre>("centre", "of mass [m]"),
+                                   reading<&P::inertia>("inertia", "about the centre of mass [kg m^2]")};
 };
 
 /// Solid of uniform density [kg/m^3] inside a closed, outward oriented triangle mesh. The signed integral is

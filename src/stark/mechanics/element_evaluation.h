@@ -24,7 +24,8 @@ struct ElementInput {
 };
 
 /// At the positions x, with rest positions X and positions x_prev at the start of the step [m], as many as
-/// the potential has points. `value` gives the data and the parameters, `width` numbers each.
+/// the potential has points. `value` gives the data and the parameters, `width` numbers each. Throws
+/// InvalidArgument for other counts.
 ElementEvaluation evaluate_element(const Potential& potential, std::span<const Vec3> x,
                                    std::span<const Vec3> X, std::span<const Vec3> x_prev,
                                    const std::function<std::vector<double>(const ElementInput&)>& value);

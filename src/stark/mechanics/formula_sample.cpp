@@ -2,6 +2,7 @@
 
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include <stark/base/aligned.h>
 #include <stark/base/error.h>
@@ -20,11 +21,20 @@ PotentialBatch compiled(const Formula& formula, symbolic::Backend backend,
       std::make_shared<Potential>(define_potential("formula", "", formula), backend, names));
 }
 
+void check_points(const char* name, const std::vector<Vec3>& points, size_t count) {
+  if (points.size() != count)
+    throw InvalidArgument(std::string(name) + ": got " + std::to_string(points.size()) + " points: must be " +
+                          std::to_string(count));
+}
+
 }  // namespace
 
 FormulaSample::FormulaSample(const Formula& formula, symbolic::Backend backend, SamplePoints points,
                              const std::function<std::vector<double>(const ParameterDeclaration&)>& values)
     : batch_(compiled(formula, backend, parameters_of(formula))), x_(std::move(points.x)) {
+  check_points("X", points.X, x_.size());
+  check_points("x_prev", points.x_prev, x_.size());
+  check_points("x_initial", points.x_initial, x_.size());
   std::vector<int32_t> stencils(x_.size());
   std::iota(stencils.begin(), stencils.end(), 0);
   batch_.resize(stencils);
@@ -46,6 +56,11 @@ FormulaSample::FormulaSample(const Formula& formula, symbolic::Backend backend, 
     for (int64_t e = 0; e < batch_.size(); ++e)
       batch_.set(field.name, e, std::span(numbers).subspan(e * width, width));
   }
+}
+
+void FormulaSample::set_positions(std::vector<Vec3> x) {
+  check_points("x", x, x_.size());
+  x_ = std::move(x);
 }
 
 void FormulaSample::run(symbolic::Order order) const {

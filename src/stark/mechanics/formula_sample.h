@@ -20,12 +20,12 @@ struct SamplePoints {
 class FormulaSample {
  public:
   /// `values` gives the numbers of a parameter or of data, for all elements in a row. Throws InvalidArgument
-  /// for other counts.
+  /// for other counts of numbers or points.
   FormulaSample(const Formula& formula, symbolic::Backend backend, SamplePoints points,
                 const std::function<std::vector<double>(const ParameterDeclaration&)>& values);
 
   size_t point_count() const { return x_.size(); }
-  void set_positions(std::vector<Vec3> x) { x_ = std::move(x); }  ///< as many as before
+  void set_positions(std::vector<Vec3> x);  ///< as many as before, or it throws InvalidArgument
   /// Energy, gradient, upper triangle of the Hessian of each element, in a row one after another.
   std::vector<double> evaluate(symbolic::Order order) const { return batch_.evaluate(order, x_); }
   /// The work of evaluate() without its results, for timings.

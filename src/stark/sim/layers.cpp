@@ -121,6 +121,14 @@ std::vector<PathFrames> path_frames(const Scene& scene, const FibresDescription&
   return result;
 }
 
+std::vector<Mat3> initial_frames(const Scene& scene, const FibresDescription& fibres) {
+  std::vector<Mat3> frames;
+  if (!fibres.bending) return frames;
+  for (const PathFrames& of_path : path_frames(scene, fibres))
+    frames.insert(frames.end(), of_path.initial.begin(), of_path.initial.end());
+  return frames;
+}
+
 std::vector<double> fibre_lengths(const Scene& scene, const FibresDescription& fibres) {
   const std::vector<Vec3>& X = scene.rest_vertices(fibres.body);
   std::vector<double> lengths;

@@ -25,6 +25,8 @@ struct PathFrames {
 };
 /// Of all paths.
 std::vector<PathFrames> path_frames(const Scene& scene, const FibresDescription& fibres);
+/// At time 0 in the world, path by path; none without bending.
+std::vector<Mat3> initial_frames(const Scene& scene, const FibresDescription& fibres);
 
 /// Rest lengths of all edges, path by path [m].
 std::vector<double> fibre_lengths(const Scene& scene, const FibresDescription& fibres);

@@ -69,6 +69,15 @@ std::shared_ptr<const Definition> find_by_name(
 
 }  // namespace
 
+PotentialDefinition find_potential(const std::string& name) {
+  std::vector<std::string> names;
+  for (PotentialDefinition& definition : registered_potentials()) {
+    if (definition.name == name) return definition;
+    names.push_back(definition.name);
+  }
+  throw InvalidArgument("potential '" + name + "' is not registered" + nearest_name_hint(name, names));
+}
+
 std::shared_ptr<const JointDefinition> find_joint(const std::string& name) {
   return find_by_name(registered_joints(), name, "joint");
 }

@@ -24,6 +24,8 @@ namespace models {
 
 /// The potentials, and the laws on their linear elements: tetrahedra, triangles and segments.
 std::vector<PotentialDefinition> registered_potentials();
+/// Throws InvalidArgument for unknown names, with the nearest one as a hint.
+PotentialDefinition find_potential(const std::string& name);
 std::vector<SolidLaw> registered_solid_laws();
 std::vector<ShellLaw> registered_shell_laws();
 std::vector<RodLaw> registered_rod_laws();

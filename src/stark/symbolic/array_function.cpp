@@ -333,4 +333,19 @@ ArrayFunctionStatistics ArrayFunction::statistics(Order order) const {
   return {f.operations, f.instructions, f.code_bytes, f.build_seconds, ""};
 }
 
+StridedArray broadcast(const double* data, std::span<const int64_t> shape, std::span<const int64_t> strides,
+                       size_t own, size_t batch) {
+  const size_t lead = shape.size() - own;
+  StridedArray result{data, std::vector<int64_t>(batch, 0), {0}};
+  for (size_t d = 0; d < lead; ++d)
+    if (shape[d] > 1) result.strides[batch - lead + d] = strides[d];
+  for (size_t d = lead; d < shape.size(); ++d) {
+    std::vector<int64_t> next;
+    for (const int64_t offset : result.offsets)
+      for (int64_t i = 0; i < shape[d]; ++i) next.push_back(offset + i * strides[d]);
+    result.offsets = std::move(next);
+  }
+  return result;
+}
+
 }  // namespace stark::symbolic

@@ -29,6 +29,11 @@ struct StridedArray {
   std::vector<int64_t> offsets;  // [number], by scalar of the argument
 };
 
+/// View of an array of this shape and these strides [number] whose last dimensions are those of an argument,
+/// `own` many, and whose leading ones broadcast to a batch of so many dimensions.
+StridedArray broadcast(const double* data, std::span<const int64_t> shape, std::span<const int64_t> strides,
+                       size_t own, size_t batch);
+
 /// Row-major results, any of them null: values (count, m), first derivatives (count, m, n), second
 /// derivatives (count, n, n) for n scalars of differentiated arguments, in order.
 struct ArrayResults {

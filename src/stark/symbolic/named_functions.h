@@ -30,6 +30,19 @@ inline constexpr NamedUnary kUnaryFunctions[] = {
     {"total", total, "The sum of x over all elements of an energy."},
 };
 
+struct NamedBinary {
+  const char* name;
+  BinaryOperation function;
+  const char *first, *second;  ///< arguments
+  const char* doc;
+};
+
+inline constexpr NamedBinary kBinaryFunctions[] = {
+    {"minimum", min, "a", "b", "a < b ? a : b."},
+    {"maximum", max, "a", "b", "a > b ? a : b."},
+    {"atan2", atan2, "y", "x", "Angle [rad] of the direction (x, y)."},
+};
+
 struct BinaryOperator {
   const char* symbol;
   BinaryOperation function;

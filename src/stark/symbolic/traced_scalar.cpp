@@ -61,6 +61,40 @@ void require_kind(const TracedScalar& x, bool condition, const std::string& oper
                    " is a condition, not a number; turn it into one by stark.where(condition, a, b)");
 }
 
+double constant_value(const TracedScalar& x, const std::string& conversion) {
+  if (x.value.is_constant() && !x.value.is_condition()) return x.value.value();
+  throw TraceError(conversion + " of the traced value " + short_text(x) +
+                   ": a formula is recorded once and then run for many inputs, so its values are not numbers "
+                   "yet; use the functions of stark (stark.sqrt, stark.sin, ...) instead of those of math, "
+                   "and only fixed numbers as indices, lengths and counts");
+}
+
+bool constant_truth(const TracedScalar& x) {
+  if (x.value.is_constant()) return x.value.value() != 0.0;
+  throw TraceError(
+      "the truth of the traced value " + short_text(x) +
+      " was asked for (if, while, and, or, not, min, max, sorted): a formula is recorded once and "
+      "then run for many inputs, so its values cannot steer Python code: write "
+      "stark.where(condition, a, b) for if, `&`, `|`, `~` for and, or, not, and stark.minimum, "
+      "stark.maximum for min, max; write both bounds of a < x < b with `&`");
+}
+
+void refuse_equality(const TracedScalar& x) {
+  throw TraceError("== or != of the traced value " + short_text(x) +
+                   ": equality of computed numbers is not part of formulas; compare with <= and >=, or use "
+                   "stark.symbolic.is_same(a, b) to ask whether two expressions are the same");
+}
+
+void refuse_rounding(const TracedScalar& x) {
+  throw TraceError("// and % of the traced value " + short_text(x) +
+                   ": rounding has no derivative and is not part of formulas");
+}
+
+void refuse_index(const TracedScalar& x) {
+  throw TraceError("the traced value " + short_text(x) +
+                   " was used as an index or a count; only fixed integers can be");
+}
+
 TracedScalar apply(UnaryOperation function, const TracedScalar& a, const char* operation) {
   require_kind(a, false, operation);
   return in_graph(a.graph, function(a.value));

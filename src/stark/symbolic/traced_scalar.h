@@ -25,6 +25,16 @@ std::string short_text(const TracedScalar& x);
 /// Throws TraceError unless the scalar is a condition, or a number, as asked.
 void require_kind(const TracedScalar& x, bool condition, const std::string& operation);
 
+/// The number that a constant is, converted as by "float()". What is not one throws TraceError: values are
+/// not known while a formula is recorded.
+double constant_value(const TracedScalar& x, const std::string& conversion);
+/// Whether a constant, or a condition between constants, is true; throws TraceError for others.
+bool constant_truth(const TracedScalar& x);
+/// What formulas never have: equality of computed numbers, rounding, values as indices. Throw TraceError.
+[[noreturn]] void refuse_equality(const TracedScalar& x);
+[[noreturn]] void refuse_rounding(const TracedScalar& x);
+[[noreturn]] void refuse_index(const TracedScalar& x);
+
 using UnaryOperation = Scalar (*)(const Scalar&);
 using BinaryOperation = Scalar (*)(const Scalar&, const Scalar&);
 /// Of numbers, or of `conditions`; `operation` is for messages. Throws TraceError.

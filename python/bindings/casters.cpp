@@ -1,6 +1,4 @@
-#include "described.h"
-
-#include "arrays.h"
+#include "casters.h"
 
 namespace stark::bindings {
 
@@ -32,33 +30,6 @@ FieldValue to_field_value(nb::handle object) {
   } catch (const std::exception&) {
   }
   return text(object);
-}
-
-FieldMap to_field_map(const nb::dict& values) {
-  FieldMap map;
-  for (auto [name, value] : values) map.emplace_back(text(name), to_field_value(value));
-  return map;
-}
-
-nb::dict to_dict(const FieldMap& map) {
-  nb::dict dict;
-  for (const auto& [name, value] : map) dict[name.c_str()] = to_python(value);
-  return dict;
-}
-
-nb::list describe(const FieldTable& table) {
-  nb::list rows;
-  for (const Field& f : table.fields()) {
-    nb::dict row;
-    row["name"] = f.name;
-    row["unit"] = f.unit;
-    row["default"] = to_python(f.default_value);
-    row["rule"] = f.rule_text();
-    row["choices"] = f.choices ? f.choices() : std::vector<std::string>();
-    row["doc"] = f.doc;
-    rows.append(row);
-  }
-  return rows;
 }
 
 }  // namespace stark::bindings
