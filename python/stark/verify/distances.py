@@ -25,6 +25,8 @@ class Kind(IntEnum):
 #: Rounding error of a product n.(a - b) over |n|_1 |a - b|_max: a subtraction, three products, two sums,
 #: generously.
 GAP_ERROR = 16.0 * 2.0**-53
+#: Rounding error of a normal u x v over |x|_max (|u| + |v|), generously: what is shorter has no direction.
+_NORMAL_ERROR = 256.0 * 2.0**-53
 
 
 def differences(kind: Kind, x: Floats) -> Floats:
@@ -69,10 +71,10 @@ def _point_triangle(x: Floats) -> Floats:
     best = _nearest([_to_segment(p, a, b), _to_segment(p, b, c), _to_segment(p, c, a)])
     u, v, w = b - a, c - a, p - a
     normal = np.cross(u, v)
-    area = _dot(normal, normal)
-    safe = np.where(area > 0.0, area, 1.0)
+    area, has_normal = _area(x, u, v, normal)
+    safe = np.where(has_normal, area, 1.0)
     beta, gamma = _dot(np.cross(w, v), normal) / safe, _dot(np.cross(u, w), normal) / safe
-    inside = (area > 0.0) & (beta >= 0.0) & (gamma >= 0.0) & (beta + gamma <= 1.0)
+    inside = has_normal & (beta >= 0.0) & (gamma >= 0.0) & (beta + gamma <= 1.0)
     across = normal * (_dot(w, normal) / safe)[:, None]
     return np.where(inside[:, None], across, best)
 
@@ -84,13 +86,22 @@ def _edge_edge(x: Floats) -> Floats:
     )
     u, v, w = b - a, d - c, a - c
     normal = np.cross(u, v)
-    area = _dot(normal, normal)
-    safe = np.where(area > 0.0, area, 1.0)
+    area, has_normal = _area(x, u, v, normal)
+    safe = np.where(has_normal, area, 1.0)
     s, t = _dot(np.cross(v, w), normal) / safe, _dot(np.cross(u, w), normal) / safe
-    inside = (area > 0.0) & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)
+    inside = has_normal & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)
     across = normal * (_dot(w, normal) / safe)[:, None]
     shorter = inside & (_dot(across, across) <= _dot(best, best))
     return np.where(shorter[:, None], across, best)
+
+
+def _area(x: Floats, u: Floats, v: Floats, normal: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """Square of u x v, and whether it is more than rounding: edges may be parallel, triangles needles. Then
+    ends and edges come as near as anything between, but for parts in 10^13 of their lengths."""
+    area = _dot(normal, normal)
+    length = np.linalg.norm(u, axis=1) + np.linalg.norm(v, axis=1)
+    noise = _NORMAL_ERROR * np.abs(x).max(axis=(1, 2)) * length
+    return area, area > noise * noise
 
 
 def _nearest(candidates: list[Floats]) -> Floats:

@@ -147,3 +147,19 @@ def test_sliding_along_a_surface_is_clear() -> None:
     assert not len(blocked_pairs(Kind.POINT_TRIANGLE, start, end)[0])
     end[0, 0, 2] = -1e-9
     assert len(blocked_pairs(Kind.POINT_TRIANGLE, start, end)[0])
+
+
+def test_parallel_edges_are_as_far_apart_as_their_lines() -> None:
+    """Diagonals of neighbours in a grid, as a step left them: their common normal is 3e-36 of rounding, in
+    their plane."""
+    x = np.array(
+        [
+            [-0.012183093438250856, -0.012335108110861106, -0.011550866713934932],
+            [3.4892264837958676e-05, -0.00011712240777228952, -0.01155086671393493],
+            [3.489226483795802e-05, -0.012335108110861104, -0.01155086671393493],
+            [0.012252877967926776, -0.00011712240777228779, -0.011550866713934928],
+        ]
+    )
+    distance, direction = closest(Kind.EDGE_EDGE, x[None])
+    assert distance[0] == pytest.approx(np.sqrt(0.5) * (x[2, 0] - x[0, 0]), rel=1e-9)
+    assert lower_bound(Kind.EDGE_EDGE, x[None], direction)[0] == pytest.approx(distance[0], rel=1e-9)
