@@ -237,10 +237,11 @@ def _has_energies(row: Row) -> bool:
 
 def _impossible_energy(rows: list[Row]) -> str:
     """Names the first impossible energy: one that is not finite, whose rounding would explain any
-    imbalance, or contact that stores less than nothing. Empty without one."""
+    imbalance, or contact that stores less than nothing but for rounding. Empty without one."""
     for row in rows:
+        rounding = 2.0**-52 * max(abs(number(row["energy"], key)) for key in _STORED)
         for key in _STORED + _TURNED_OVER:
-            value, least = row["energy"][key], 0.0 if key == "contact" else -math.inf
+            value, least = row["energy"][key], -rounding if key == "contact" else -math.inf
             if not (math.isfinite(number(row["energy"], key)) and value >= least):
                 rule = "must be finite and >= 0" if key == "contact" else "must be finite"
                 return f"step {row.get('step')} reports the energy {key} = {value!r} J: {rule}"

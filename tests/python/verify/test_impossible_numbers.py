@@ -18,6 +18,7 @@ import stark
 from stark.cli import main
 from stark.recording import Recorder
 from stark.verify import UnreadableRecording, verify
+from stark.verify.telemetry import _STORED, _TURNED_OVER, _impossible_energy
 
 _NAN, _INFINITE = float("nan"), float("inf")
 
@@ -211,3 +212,11 @@ def test_the_recording_of_the_guide_is_certified(tmp_path: Path, monkeypatch: py
     guide = Path(__file__).parents[3] / "docs/verify.md"
     (code,) = re.findall(r"```python\n(.*?)```", guide.read_text(encoding="utf-8"), re.DOTALL)
     exec(compile(code, str(guide), "exec"), {})
+
+
+def test_contact_may_round_below_nothing() -> None:
+    """Of 1 J elsewhere 2^-52 J; a campaign had -6e-46 J."""
+    energy = dict.fromkeys((*_STORED, *_TURNED_OVER), 0.0) | {"kinetic": 1.0}
+    for contact, named in ((-6e-46, False), (-(2.0**-52), False), (-1e-12, True)):
+        rows = [{"step": 4, "energy": energy | {"contact": contact}}]
+        assert bool(_impossible_energy(rows)) is named
