@@ -15,7 +15,7 @@ from stark.arguments import given_path
 from stark.array_file import naming, write_atomically
 from stark.bodies import Cloth, Solid
 from stark.recording.export import vtu_of
-from stark.render.fields import field_values
+from stark.render.fields import field_values, von_mises
 from stark.render.tensors import tensor_values
 
 Array = NDArray[Any]
@@ -42,13 +42,14 @@ def write_elements(path: str | PathLike[str], sim: Any) -> Path:
         cells.append((elements + start, _TYPES[elements.shape[1]]))
         owners.append(np.full(len(elements), k))
         start += len(body.positions)
+    stresses = tensor_values(sim, "stress")
     fields: dict[str, Callable[[Any], Array]] = {
         "displacement": lambda body: body.positions - body.vertices.positions,
         "velocity": lambda body: body.velocities,
-        "stress": lambda body: field_values(sim, "stress", body)[body.name],
+        "stress": lambda body: von_mises(stresses[body.name]),
         "strain": lambda body: field_values(sim, "strain", body)[body.name],
         "plastic_strain": lambda body: field_values(sim, "plastic_strain", body)[body.name],
-        "stress_tensor": lambda body: tensor_values(sim, "stress", body)[body.name].reshape(-1, 9),
+        "stress_tensor": lambda body: stresses[body.name].reshape(-1, 9),
     }
     data = vtu_of(
         np.concatenate([body.positions for _, body in bodies]),

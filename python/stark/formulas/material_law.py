@@ -46,6 +46,13 @@ class MaterialLaw(RecordedLaw):
         material = kind(law=self.law(values), name=name or self.name, **{**inherited, **given, **flat})
         return material._recorded_as((self, self._is_isotropic(values)))
 
+    def values_of(self, material: Any) -> dict[str, np.ndarray]:
+        """Its parameters as a material of it has them, by name."""
+        return {
+            p.name: self.value(p, np.asarray(getattr(material, p.name), dtype=np.float64))
+            for p in self.parameters
+        }
+
     @property
     def material_type(self) -> type[Any]:
         """The class of its materials."""

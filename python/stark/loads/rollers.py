@@ -124,10 +124,7 @@ def _modulus(material: Any) -> float | None:
         return float(np.max(material.youngs_modulus))
     recorded = None if material._recorded is None else material._recorded[0]
     if isinstance(recorded, MaterialLaw):
-        values = {
-            p.name: recorded.value(p, np.asarray(getattr(material, p.name), dtype=np.float64))
-            for p in recorded.parameters
-        }
+        values = recorded.values_of(material)
         rows = max(len(np.atleast_1d(value)) for value in values.values()) if values else 1
         sampled = Law(recorded, values)
         return float(np.abs(sampled.at(np.repeat(sampled.identity[None], rows, axis=0))[2]).max())

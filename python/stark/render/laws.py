@@ -115,24 +115,15 @@ _SHELLS = (membrane_neo_hookean, membrane_st_venant_kirchhoff, orthotropic_cloth
 def stress_follows_from_strain(material: Any, is_sheet: bool) -> bool:
     """Whether ``density_and_stress`` knows the law of a material: not those that remember, those of the time
     and those that were read from a file."""
-    if material.law is None:
-        return not (is_sheet and np.isfinite(material.yield_stress).any())
-    if material.law.name == "corotated" or any(f.__name__ == material.law.name for f in (*_SOLIDS, *_SHELLS)):
-        return True
-    return not _unknown_stress(None if material._recorded is None else material._recorded[0])
+    name, built_in = _law_of(material, 2 if is_sheet else 3)
+    return built_in is not None or name == "corotated" or not _unknown_stress(_recorded_law(material))
 
 
 def density_and_stress(material: Any, F: np.ndarray, owner: str) -> tuple[np.ndarray, np.ndarray]:
     """Energy density (m, k) [J/m^3] and first Piola-Kirchhoff stress (m, k, 3, d) [Pa] of a material at
     deformation gradients (m, k, 3, d), d = 3 of solids, 2 of shells, of m elements; limits of strain
     included, damping not. Raises InvalidArgument that names ``owner`` for laws that are not here."""
-    d = F.shape[-1]
-    name = "stable_neo_hookean" if d == 3 else "membrane_neo_hookean"
-    if material.law is not None:
-        name = material.law.name
-    elif d == 2 and np.isfinite(material.yield_stress).any():
-        name = "plastic_membrane"
-    law: Any = {f.__name__: f for f in (_SOLIDS if d == 3 else _SHELLS)}.get(name)
+    name, law = _law_of(material, F.shape[-1])
     if name == "corotated":
         psi, P = _corotated(material, F)
     elif law is None:
@@ -144,10 +135,24 @@ def density_and_stress(material: Any, F: np.ndarray, owner: str) -> tuple[np.nda
     return psi + limit_psi, P + limit_P
 
 
+def _law_of(material: Any, d: int) -> tuple[str, Any]:
+    """Name of the law of a solid, d = 3, or a shell, d = 2, and the formula above that is it, if any."""
+    name = "stable_neo_hookean" if d == 3 else "membrane_neo_hookean"
+    if material.law is not None:
+        name = material.law.name
+    elif d == 2 and np.isfinite(material.yield_stress).any():
+        name = "plastic_membrane"
+    return name, {f.__name__: f for f in (_SOLIDS if d == 3 else _SHELLS)}.get(name)
+
+
+def _recorded_law(material: Any) -> Any:
+    return None if material._recorded is None else material._recorded[0]
+
+
 def _recorded(material: Any, F: np.ndarray, owner: str, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Of a law that a function was recorded for, at rest where it depends on what was before: without what
     is viscous."""
-    law = None if material._recorded is None else material._recorded[0]
+    law = _recorded_law(material)
     why = _unknown_stress(law)
     if why or not isinstance(law, MaterialLaw):
         raise InvalidArgument(
@@ -155,9 +160,9 @@ def _recorded(material: Any, F: np.ndarray, owner: str, name: str) -> tuple[np.n
             f"an array: field={{'{owner}': values}}"
         )
     places = F.shape[1]
-    values = {}
+    values = law.values_of(material)
     for parameter in law.parameters:
-        value = law.value(parameter, np.asarray(getattr(material, parameter.name), dtype=np.float64))
+        value = values[parameter.name]
         is_by_element = value.ndim > len(parameter.shape)
         values[parameter.name] = np.repeat(value, places, axis=0) if is_by_element else value
     flat = F.reshape(-1, *F.shape[2:])

@@ -65,10 +65,13 @@ class Transmissions:
                 report.add("dropped", title, f"{', '.join(own)}: give them to joint '{joint}'")
 
     def _of_joint(self, joint: int) -> Transmission:
-        ratio = 1.0
+        ratio, seen = 1.0, {joint}
         while joint in self._mimics:
             ratio *= self._mimics[joint].ratio
             joint = self._names.index(self._mimics[joint].joint)
+            if joint in seen:  # a circle, which the description refuses
+                break
+            seen.add(joint)
         return Transmission(joint, ratio)
 
     def _of_tendon(self, tendon: int) -> Transmission | None:

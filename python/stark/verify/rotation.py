@@ -91,10 +91,10 @@ def free_rotation(rotations: Floats, moments: Floats, momenta: Floats, h: float)
 
 def velocity(rotations: Floats, moments: Floats, momenta: Floats) -> Floats:
     """Angular velocities (n, 3) [rad/s] of angular momenta; 0 about axes without inertia."""
-    turned = np.einsum("nji,nj->ni", rotations, momenta)
+    own = np.einsum("nji,nj->ni", rotations, momenta)
     with np.errstate(divide="ignore", invalid="ignore"):
-        turned = np.where(moments > 0.0, turned / moments, 0.0)
-    return np.einsum("nij,nj->ni", rotations, turned)
+        own = np.where(moments > 0.0, own / moments, 0.0)
+    return np.einsum("nij,nj->ni", rotations, own)
 
 
 def turned(w: Floats, rotations: Floats) -> Floats:

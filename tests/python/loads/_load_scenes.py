@@ -15,6 +15,17 @@ def simulate(scene: stark.Scene, step: float = 0.01, **settings: Any) -> stark.S
     return stark.Simulation(scene, time_step=step, gravity=ORIGIN, **{"contact.enabled": False, **settings})
 
 
+def by_elements(tetrahedra: stark.TetMesh, hexahedra: stark.mesh.SolidMesh) -> dict[str, stark.mesh.Mesh]:
+    """These meshes and their quadratic ones, by the kind of their elements."""
+    quadratic = stark.mesh.to_quadratic
+    return {
+        "tet4": tetrahedra,
+        "tet10": quadratic(tetrahedra),
+        "hex8": hexahedra,
+        "hex27": quadratic(hexahedra),
+    }
+
+
 def advance(sim: stark.Simulation, until: float) -> None:
     for report in sim.run(until):
         assert not report.failed, report.message

@@ -4,20 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from _load_scenes import advance, block_with_a_hole, simulate
+from _load_scenes import advance, block_with_a_hole, by_elements, simulate
 
 import stark
 
 
 def solid_meshes() -> dict[str, stark.mesh.Mesh]:
-    hexahedra, tetrahedra = stark.mesh.box_hexahedra((0.3, 0.2, 0.1), (3, 2, 1)), stark.mesh.tet_box(0.1, 2)
-    quadratic = stark.mesh.to_quadratic
-    return {
-        "tet4": tetrahedra,
-        "tet10": quadratic(tetrahedra),
-        "hex8": hexahedra,
-        "hex27": quadratic(hexahedra),
-    }
+    return by_elements(stark.mesh.tet_box(0.1, 2), stark.mesh.box_hexahedra((0.3, 0.2, 0.1), (3, 2, 1)))
 
 
 @pytest.mark.parametrize("kind", list(solid_meshes()))

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from _load_scenes import advance, simulate
+from _load_scenes import advance, by_elements, simulate
 
 import stark
 
@@ -15,15 +15,8 @@ STILL: dict[str, Any] = {"gravity": (0, 0, 0), "time.integrator": "quasistatic"}
 
 
 def solid_meshes() -> dict[str, stark.mesh.Mesh]:
-    hexahedra = stark.mesh.box_hexahedra((0.3, 0.2, 0.1), (3, 2, 1))
-    tetrahedra = stark.mesh.tet_box((0.3, 0.2, 0.1), (3, 2, 1))
-    quadratic = stark.mesh.to_quadratic
-    return {
-        "tet4": tetrahedra,
-        "tet10": quadratic(tetrahedra),
-        "hex8": hexahedra,
-        "hex27": quadratic(hexahedra),
-    }
+    size, cells = (0.3, 0.2, 0.1), (3, 2, 1)
+    return by_elements(stark.mesh.tet_box(size, cells), stark.mesh.box_hexahedra(size, cells))
 
 
 def faces_where(solid: stark.Solid, mask: np.ndarray) -> stark.Stencils:

@@ -89,3 +89,10 @@ def test_the_report_says_what_is_left_out(tmp_path: Path, tendon: str, text: str
     assert text in str(robot.report)
     kept = "range" in tendon
     assert ("actuator 'p': acts on no single joint" in str(robot.report)) != kept
+
+
+def test_joints_that_follow_each_other_in_a_circle_are_refused(tmp_path: Path) -> None:
+    circle = """<equality><joint joint1="r" joint2="l"/><joint joint1="l" joint2="r"/></equality>
+      <actuator><position name="p" joint="r" kp="50"/></actuator>"""
+    with pytest.raises(stark.InvalidArgument, match=r"mimics itself, by way of"):
+        stark.Scene().add_robot(written_mjcf(tmp_path, HAND, circle))
