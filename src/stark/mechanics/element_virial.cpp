@@ -2,23 +2,12 @@
 #include <stark/mechanics/element_virial.h>
 
 #include <stark/base/error.h>
+#include <stark/mechanics/lane_of.h>
 
 namespace stark {
 
 using symbolic::kLanes;
 using symbolic::Order;
-
-namespace {
-
-/// Column j of the deformation gradient at a quadrature point.
-Vec3 deformed(const QuadratureBatch& batch, int64_t element, int point, int j, std::span<const Vec3> x) {
-  const double* G = batch.gradients(element, point) + j * batch.padded_nodes();
-  Vec3 sum;
-  for (int a = 0; a < batch.node_count(); ++a) sum += x[batch.stencil(element)[a]] * G[a];
-  return sum;
-}
-
-}  // namespace
 
 std::vector<Mat3> element_virials(const PotentialBatch& batch, std::span<const Vec3> x) {
   STARK_CHECK(batch.potential().totals() == nullptr);
@@ -43,11 +32,10 @@ std::vector<Mat3> element_virials(const QuadratureBatch& batch, std::span<const 
   std::vector<Mat3> virials(static_cast<size_t>(batch.size()));
   for (int64_t e = 0; e < batch.size(); ++e)
     for (int q = 0; q < batch.points_per_element(); ++q) {
-      const int64_t lane = e * batch.points_per_element() + q;
-      const double* P = out.data() + (lane / kLanes) * outputs * kLanes + lane % kLanes + kLanes;
+      const double* P = lane_of(out.data(), outputs, e * batch.points_per_element() + q) + kLanes;
       for (int j = 0; j < 3; ++j)
         virials[e] += outer(Vec3{P[3 * j * kLanes], P[(3 * j + 1) * kLanes], P[(3 * j + 2) * kLanes]},
-                            deformed(batch, e, q, j, x));
+                            batch.column(e, q, j, x));
     }
   return virials;
 }
@@ -57,8 +45,7 @@ std::vector<double> element_volumes(const QuadratureBatch& batch, std::span<cons
   std::vector<double> volumes(static_cast<size_t>(batch.size()));
   for (int64_t e = 0; e < batch.size(); ++e)
     for (int q = 0; q < batch.points_per_element(); ++q) {
-      const Vec3 F[] = {deformed(batch, e, q, 0, x), deformed(batch, e, q, 1, x),
-                        deformed(batch, e, q, 2, x)};
+      const Vec3 F[] = {batch.column(e, q, 0, x), batch.column(e, q, 1, x), batch.column(e, q, 2, x)};
       volumes[e] +=
           batch.law().get(weight, e * batch.points_per_element() + q) * dot(cross(F[0], F[1]), F[2]);
     }

@@ -181,14 +181,11 @@ KinematicMap::Way KinematicMap::turn(const Configuration& from, std::span<const 
                                      double alpha, Configuration& out) const {
   Way way = Way::Straight;
   for (const TurningRange& range : turning_) {
-    const auto part = [&](auto& values) {
-      return std::span(values).subspan(range.first, range.masses.size());
-    };
-    const bool turns = range.are_nodes
-                           ? complete_turn(range, part(from.body_position), part(layout_.body_block),
-                                           direction, alpha, part(out.body_position))
-                           : complete_turn(range, part(from.point_position), part(layout_.point_block),
-                                           direction, alpha, part(out.point_position));
+    const bool turns =
+        range.are_nodes ? complete_turn(range, range.of(from.body_position), range.of(layout_.body_block),
+                                        direction, alpha, range.of(out.body_position))
+                        : complete_turn(range, range.of(from.point_position), range.of(layout_.point_block),
+                                        direction, alpha, range.of(out.point_position));
     if (turns) way = Way::Turning;
   }
   return way;

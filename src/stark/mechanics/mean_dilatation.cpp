@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <stark/base/error.h>
+#include <stark/mechanics/lane_of.h>
 
 namespace stark {
 
@@ -16,14 +17,6 @@ namespace {
 
 constexpr int kUnknowns = 12;  ///< of the law: F, the volume ratio, two without meaning
 constexpr int kMaxPoints = 27, kMaxModes = 4;
-
-/// First output of a lane, counted over consecutive blocks; output k is at [k * kLanes].
-const double* lane_of(const double* out, int outputs, int64_t lane) {
-  return out + lane / kLanes * outputs * kLanes + lane % kLanes;
-}
-double* lane_of(double* out, int outputs, int64_t lane) {
-  return out + lane / kLanes * outputs * kLanes + lane % kLanes;
-}
 
 /// Place of (r, c), r <= c, in an upper triangle of n x n.
 constexpr int upper(int n, int r, int c) { return r * n - r * (r - 1) / 2 + c - r; }

@@ -63,6 +63,8 @@ class QuadratureBatch {
   /// Energies of all quadrature points with nodes at x [J].
   std::vector<double> energies(std::span<const Vec3> x) const;
 
+  /// Column j of F at a point with nodes at x.
+  Vec3 column(int64_t element, int point, int j, std::span<const Vec3> x) const;
   /// Gradients of an element at a point, [3 directions][padded_nodes()], zero beyond the nodes.
   const double* gradients(int64_t element, int point) const {
     return gradients_.data() + (element * points_ + point) * 3 * padded_nodes();
@@ -78,8 +80,6 @@ class QuadratureBatch {
   int64_t block_of_group(int64_t group) const { return std::min(group * points_, law_.block_count()); }
 
  private:
-  /// Column j of F at a point.
-  Vec3 column(int64_t element, int point, int j, std::span<const Vec3> x) const;
   /// Points of the law: columns of F and, of mean dilatation, the volume ratio.
   std::vector<Vec3> columns(std::span<const Vec3> x) const;
   /// Points of the law for all quadrature points if it uses a field of the source, nothing otherwise.

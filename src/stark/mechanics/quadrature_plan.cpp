@@ -9,6 +9,7 @@
 #include <stark/base/error.h>
 #include <stark/base/simd.h>
 #include <stark/mechanics/element_projection.h>
+#include <stark/mechanics/lane_of.h>
 
 namespace stark {
 
@@ -21,11 +22,6 @@ constexpr int64_t kEnergyGroups = 32;  ///< groups in a partial sum of energies
 
 /// Groups in a coloured chunk; depends on the mesh only.
 int64_t chunk_groups(int64_t group_count) { return std::clamp<int64_t>(group_count / 32, 4, 32); }
-
-/// Outputs of one lane, counted over consecutive blocks; output k is at [k * kLanes].
-const double* lane_of(const double* out, int outputs, int64_t lane) {
-  return out + lane / kLanes * outputs * kLanes + lane % kLanes;
-}
 
 /// For components (i, k) and directions (j, l): place of H_(ij)(kl) among the outputs of a lane. Unknown
 /// 3 j + i of the law is F_ij.

@@ -1,5 +1,7 @@
 #include <stark/mechanics/site_gradient.h>
 
+#include <stark/mechanics/lane_of.h>
+
 namespace stark {
 
 using symbolic::kLanes;
@@ -7,18 +9,13 @@ using symbolic::Order;
 
 namespace {
 
-/// Outputs of one element (or quadrature point) among lane-major blocks.
-const double* lane_of(const AlignedVector<double>& out, int outputs, int64_t element) {
-  return out.data() + (element / kLanes) * outputs * kLanes + element % kLanes;
-}
-
 void add_elements(const PotentialBatch& batch, std::span<const Vec3> x, double factor,
                   std::span<Vec3> gradient) {
   const int outputs = batch.potential().kernel().output_count(Order::Gradient);
   AlignedVector<double> out(batch.block_count() * outputs * kLanes);
   batch.evaluate(Order::Gradient, x, 0, batch.block_count(), out.data());
   for (int64_t e = 0; e < batch.size(); ++e) {
-    const double* g = lane_of(out, outputs, e) + kLanes;  // after the energy
+    const double* g = lane_of(out.data(), outputs, e) + kLanes;  // after the energy
     for (const int32_t site : batch.stencil(e)) {
       gradient[site] += Vec3{g[0], g[kLanes], g[2 * kLanes]} * factor;
       g += 3 * kLanes;
@@ -41,7 +38,7 @@ void add_site_gradient(const QuadratureBatch& batch, std::span<const Vec3> x, do
   batch.evaluate(Order::Gradient, x, 0, batch.group_count(), out.data());
   for (int64_t e = 0; e < batch.size(); ++e)
     for (int q = 0; q < batch.points_per_element(); ++q) {
-      const double* P = lane_of(out, outputs, e * batch.points_per_element() + q) + kLanes;
+      const double* P = lane_of(out.data(), outputs, e * batch.points_per_element() + q) + kLanes;
       const double* G = batch.gradients(e, q);
       for (int a = 0; a < batch.node_count(); ++a)
         for (int j = 0; j < 3; ++j) {

@@ -17,6 +17,12 @@ struct TurningRange {
   bool is_held = false;  ///< by joints or attachments
   int32_t first = 0;
   std::vector<double> masses{};  ///< of each of them [kg]
+
+  /// Theirs among values of all points or nodes.
+  template <typename Values>
+  auto of(Values& values) const {
+    return std::span(values).subspan(static_cast<size_t>(first), masses.size());
+  }
 };
 
 /// Turns the points of one body, which alpha * direction has carried straight from `from` to `to` [m]: about

@@ -1,8 +1,12 @@
 // Simulation: stresses of elements and what their materials remember.
+#include <algorithm>
+#include <iterator>
+
 #include <stark/mechanics/element_virial.h>
 #include <stark/sim/internal_variables.h>
 #include <stark/sim/simulation.h>
 #include <stark/sim/simulation_parts.h>
+#include <stark/sim/stored_energy.h>
 
 namespace stark {
 
@@ -14,7 +18,7 @@ double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
   return dot(cross(b - a, c - a), d - a) / 6.0;
 }
 
-/// Areas of triangles [m^2], volumes of tetrahedra [m^3], with sites at x.
+/// Areas of triangles [m^2], volumes of solid elements [m^3], with sites at x.
 std::vector<double> element_sizes(const PotentialBatch& batch, std::span<const Vec3> x) {
   std::vector<double> sizes(static_cast<size_t>(batch.size()));
   for (int64_t e = 0; e < batch.size(); ++e) {
@@ -25,45 +29,48 @@ std::vector<double> element_sizes(const PotentialBatch& batch, std::span<const V
   return sizes;
 }
 
+std::vector<double> element_sizes(const QuadratureBatch& batch, std::span<const Vec3> x) {
+  return element_volumes(batch, x);
+}
+
+/// visit(elements) for what the triangles or elements of a body or layer are stretched against.
+template <typename Visit>
+void visit_stressed(Energies& energies, const std::string& owner, const Visit& visit) {
+  for (ModelBatch& elements : energies.batches)
+    if (elements.carries_stress && elements.owner == owner) visit(elements);
+  for (ModelQuadrature& elements : energies.quadrature)
+    if (elements.body == owner) visit(elements);
+}
+
+int points_per_element(const PotentialBatch&) { return 1; }
+int points_per_element(const QuadratureBatch& batch) { return batch.points_per_element(); }
+
 }  // namespace
 
 std::vector<Mat3> Simulation::mean_stresses(BodyId body) {
-  const std::string& name = scene_.name(body);
   const std::vector<Vec3> x = site_positions();
   const InternalOfState now(energies_, state_.internal_variable);
   std::vector<Mat3> stresses;
   std::vector<double> sizes;
-  const auto add = [&](const std::vector<Mat3>& virials) {
+  visit_stressed(energies_, scene_.name(body), [&](auto& elements) {
+    const std::vector<Mat3> virials = parts_->ledger.stored_virials(elements, x);
+    sizes = element_sizes(elements.batch, x);
     stresses.resize(virials.size());
     for (size_t e = 0; e < virials.size(); ++e) stresses[e] += virials[e];
-  };
-  for (ModelBatch& elements : energies_.batches) {
-    if (!elements.carries_stress || elements.owner != name) continue;
-    sizes = element_sizes(elements.batch, x);
-    add(parts_->ledger.stored_virials(elements, x));
-  }
-  for (ModelQuadrature& elements : energies_.quadrature) {
-    if (elements.body != name) continue;
-    sizes = element_volumes(elements.batch, x);
-    add(parts_->ledger.stored_virials(elements, x));
-  }
+  });
   for (size_t e = 0; e < stresses.size(); ++e) stresses[e] = stresses[e] * (1.0 / sizes[e]);
   return stresses;
 }
 
 std::vector<InternalVariable> Simulation::internal_variables(BodyId body) {
-  const std::string& name = scene_.name(body);
   const InternalOfState now(energies_, state_.internal_variable);
   std::vector<InternalVariable> found;
-  const auto add = [&](const PotentialBatch& law, int points) {
-    std::vector<InternalVariable> own =
-        stark::internal_variables(law.potential(), points, law.internal_values());
-    found.insert(found.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
-  };
-  for (const ModelBatch& elements : energies_.batches)
-    if (elements.carries_stress && elements.owner == name) add(elements.batch, 1);
-  for (const ModelQuadrature& elements : energies_.quadrature)
-    if (elements.body == name) add(elements.batch.law(), elements.batch.points_per_element());
+  visit_stressed(energies_, scene_.name(body), [&](const auto& elements) {
+    const PotentialBatch& law = law_of(elements.batch);
+    std::ranges::move(
+        stark::internal_variables(law.potential(), points_per_element(elements.batch), law.internal_values()),
+        std::back_inserter(found));
+  });
   return found;
 }
 

@@ -10,19 +10,12 @@ namespace {
 
 /// Whether none of the points is prescribed.
 bool is_free(const TurningRange& range, const DofLayout& layout) {
-  const std::vector<int32_t>& blocks = range.are_nodes ? layout.body_block : layout.point_block;
-  const auto first = blocks.begin() + range.first;
-  return std::find(first, first + static_cast<std::ptrdiff_t>(range.masses.size()), kNoBlock) ==
-         first + static_cast<std::ptrdiff_t>(range.masses.size());
+  const auto blocks = range.of(range.are_nodes ? layout.body_block : layout.point_block);
+  return std::ranges::find(blocks, kNoBlock) == blocks.end();
 }
 
 bool turns(const std::vector<TurningFrame>& frames) {
   return std::ranges::any_of(frames, [](const TurningFrame& frame) { return frame.spin != Vec3{}; });
-}
-
-template <typename Vectors>
-auto part(Vectors& values, const TurningRange& range) {
-  return std::span(values).subspan(static_cast<size_t>(range.first), range.masses.size());
 }
 
 }  // namespace
@@ -36,11 +29,11 @@ void StepMotion::set_frames(double h) {
       r.frames.emplace_back();
       continue;
     }
-    const auto x = part(range.are_nodes ? state_.body_position : state_.point_position, range);
-    const auto v = part(range.are_nodes ? state_.body_velocity : state_.point_velocity, range);
+    const auto x = range.of(range.are_nodes ? state_.body_position : state_.point_position);
+    const auto v = range.of(range.are_nodes ? state_.body_velocity : state_.point_velocity);
     const TurningFrame& frame = r.frames.emplace_back(turning_frame(range.masses, x, v, h));
     if (frame.spin == Vec3{}) continue;
-    const auto mean = part(range.are_nodes ? r.body_velocity : r.point_velocity, range);
+    const auto mean = range.of(range.are_nodes ? r.body_velocity : r.point_velocity);
     for (size_t i = 0; i < x.size(); ++i) mean[i] = (free_place(frame, x[i], v[i], h) - x[i]) / h;
   }
   if (turns(r.frames)) model_.map().follow(r.point_velocity);
@@ -52,13 +45,13 @@ void StepMotion::commit_frames(double h) {
   for (size_t k = 0; k < r.frames.size(); ++k) {
     const TurningRange& range = model_.map().turning()[k];
     if (r.frames[k].spin == Vec3{}) continue;
-    const auto x = part(range.are_nodes ? r.place.body_position : r.place.point_position, range);
-    const auto mean = part(range.are_nodes ? r.body_velocity : r.point_velocity, range);
+    const auto x = range.of(range.are_nodes ? r.place.body_position : r.place.point_position);
+    const auto mean = range.of(range.are_nodes ? r.body_velocity : r.point_velocity);
     x_free.resize(x.size());
     for (size_t i = 0; i < x.size(); ++i) x_free[i] = x[i] + mean[i] * h;
     end_velocities(r.frames[k], range.masses, x, x_free,
-                   part(range.are_nodes ? state_.body_position : state_.point_position, range), h,
-                   part(range.are_nodes ? state_.body_velocity : state_.point_velocity, range));
+                   range.of(range.are_nodes ? state_.body_position : state_.point_position), h,
+                   range.of(range.are_nodes ? state_.body_velocity : state_.point_velocity));
   }
   if (turns(r.frames)) model_.map().follow(state_.point_velocity);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <span>
 
 #include <stark/sim/energies.h>
@@ -51,13 +52,16 @@ class AtTime {
 template <typename Batch>
 class AtRest {
  public:
-  AtRest(Batch& batch, std::span<const Vec3> x) : batch_(batch), clock_(law_of(batch)) {
+  AtRest(Batch& batch, std::span<const Vec3> x) : batch_(batch) {
     batch_.set_previous(x);
-    const bool has_rates = remembers(law_of(batch)) || potential_of(batch).internal_width() > 0;
-    const double step = clock_.step > 0.0 ? std::min(clock_.step, 1.0) : 1.0;  // 0 before the first one
-    if (has_rates) batch_.set_time(kInstant * step, clock_.time);
+    if (potential_of(batch).internal_width() == 0 && !remembers(law_of(batch))) return;  // no rates
+    clock_.emplace(law_of(batch));
+    const double step = clock_->step > 0.0 ? std::min(clock_->step, 1.0) : 1.0;  // 0 before the first one
+    batch_.set_time(kInstant * step, clock_->time);
   }
-  ~AtRest() { batch_.set_time(clock_.step, clock_.time); }
+  ~AtRest() {
+    if (clock_) batch_.set_time(clock_->step, clock_->time);
+  }
   AtRest(const AtRest&) = delete;
   AtRest& operator=(const AtRest&) = delete;
 
@@ -67,7 +71,7 @@ class AtRest {
   static constexpr double kInstant = 0x1p-40;
 
   Batch& batch_;
-  StepClock clock_;
+  std::optional<StepClock> clock_;  ///< of energies with rates
 };
 
 }  // namespace stark
