@@ -16,10 +16,12 @@ PotentialDefinition friction_2();
 PotentialDefinition friction_3();
 PotentialDefinition friction_4();
 PotentialDefinition friction_5();
+PotentialDefinition friction_6();
 PotentialDefinition anisotropic_friction_2();
 PotentialDefinition anisotropic_friction_3();
 PotentialDefinition anisotropic_friction_4();
 PotentialDefinition anisotropic_friction_5();
+PotentialDefinition anisotropic_friction_6();
 
 }  // namespace stark::models
 

@@ -129,9 +129,11 @@ PotentialDefinition friction_2() { return isotropic_friction(2); }
 PotentialDefinition friction_3() { return isotropic_friction(3); }
 PotentialDefinition friction_4() { return isotropic_friction(4); }
 PotentialDefinition friction_5() { return isotropic_friction(5); }
+PotentialDefinition friction_6() { return isotropic_friction(6); }
 PotentialDefinition anisotropic_friction_2() { return anisotropic_friction(2); }
 PotentialDefinition anisotropic_friction_3() { return anisotropic_friction(3); }
 PotentialDefinition anisotropic_friction_4() { return anisotropic_friction(4); }
 PotentialDefinition anisotropic_friction_5() { return anisotropic_friction(5); }
+PotentialDefinition anisotropic_friction_6() { return anisotropic_friction(6); }
 
 }  // namespace stark::models

@@ -15,6 +15,29 @@ Vec3 normal_of(const Index3& t, std::span<const Vec3> x) {
 /// Cosines of 11 and 6 degrees between the normals of two faces: from the second on one lies on the other.
 constexpr double kTilted = 0.98, kLevel = 0.995;
 
+/// Cosines of 60 and 37 degrees between the gap and the normal of a face: what touches beside the border of
+/// the face has friction there.
+constexpr double kBeside = 0.5, kFacing = 0.8;
+/// Such faces and those that lie on them turn no more away from the gap.
+constexpr double kUpright = 0.3;
+
+/// Part of the smaller of two faces from which on what they share carries friction.
+constexpr double kShared = 0.5;
+
+/// Shares of the corners of a triangle in a point above it, which add up to one.
+std::array<double, 3> barycentric(const Index3& t, const Vec3& point, std::span<const Vec3> x) {
+  const Vec3 u = x[t[1]] - x[t[0]], v = x[t[2]] - x[t[0]], area = cross(u, v), d = point - x[t[0]];
+  const double b = dot(cross(d, v), area) / squared_norm(area),
+               c = dot(cross(u, d), area) / squared_norm(area);
+  return {1.0 - b - c, b, c};
+}
+
+/// The point of the plane of a triangle below or above another one.
+Vec3 in_plane(const Index3& t, const Vec3& point, std::span<const Vec3> x) {
+  const auto shares = barycentric(t, point, x);
+  return x[t[0]] * shares[0] + x[t[1]] * shares[1] + x[t[2]] * shares[2];
+}
+
 /// Part of the depth of the vertex in its contact distance from which the site carries all of its share.
 constexpr double kCarries = 0.5;
 
@@ -31,6 +54,7 @@ FrictionLevers::FrictionLevers(const SurfaceMesh& mesh, std::vector<LeverSite> s
   if (sites_.empty()) return;
   std::ranges::sort(sites_, {}, [](const LeverSite& s) { return std::pair(s.vertex, s.triangle); });
   borders_ = SurfaceCells(mesh, patch_);
+  for (const LeverSite& s : sites_) corners_[s.triangle].push_back(s.vertex);
 }
 
 LeverArm FrictionLevers::flattest(const SurfaceMesh& mesh, int32_t vertex, const Vec3& normal,
@@ -87,6 +111,65 @@ LeverArm FrictionLevers::arm(const SurfaceMesh& mesh, const Contact& contact, in
   if (!(arm.part > 0.0)) return {};
   arm.part *= part_within(triangle, normal, vertex, place, x);
   return arm;
+}
+
+template <class Visit>
+void FrictionLevers::visit_faces(const SurfaceMesh& mesh, std::span<const int32_t> vertices, const Vec3& gap,
+                                 std::span<const Vec3> x, const Visit& visit) const {
+  for (auto s = std::ranges::lower_bound(sites_, vertices[0], {}, &LeverSite::vertex);
+       s != sites_.end() && s->vertex == vertices[0]; ++s) {
+    const Vec3 normal = normal_of(mesh.triangles[s->triangle], x);
+    if (!(std::fabs(dot(normal, gap)) > kUpright)) continue;
+    const std::vector<int32_t>& corners = corners_.at(s->triangle);
+    const auto is_corner = [&](int32_t v) { return std::ranges::count(corners, v) > 0; };
+    if (std::ranges::all_of(vertices.subspan(1), is_corner)) visit(s->triangle, normal);
+  }
+}
+
+FrictionLevers::Flat FrictionLevers::flattest_pair(const SurfaceMesh& mesh, std::span<const int32_t> of_a,
+                                                   std::span<const int32_t> of_b, const Vec3& gap,
+                                                   std::span<const Vec3> x) const {
+  Flat best;
+  visit_faces(mesh, of_a, gap, x, [&](int32_t a, const Vec3& normal_a) {
+    visit_faces(mesh, of_b, gap, x, [&](int32_t b, const Vec3& normal_b) {
+      const double level = std::fabs(dot(normal_a, normal_b)), facing = std::fabs(dot(normal_b, gap));
+      const double part = smooth_step((level - kTilted) / (kLevel - kTilted)) *
+                          smooth_step((facing - kBeside) / (kFacing - kBeside));
+      if (part > best.part) best = {{a, b}, part};
+    });
+  });
+  return best;
+}
+
+// The corners of what both faces share carry all of the pressure, wherever they are on the faces. So friction
+// acts as far inside of it as the pressure does that they stand for, and where faces tilt at the corners.
+std::optional<SharedPlace> FrictionLevers::shared_place(const SurfaceMesh& mesh, const Contact& contact,
+                                                        std::span<const Vec3> x, PressedAreas& areas) const {
+  const auto sites = std::span(contact.sites);
+  const auto count = static_cast<size_t>(contact.side_a_count);
+  const auto of_a = sites.first(count), of_b = sites.subspan(count, contact.point_count - count);
+  const Vec3 gap = gap_vector(contact, x);
+  const Flat flat = flattest_pair(mesh, of_a, of_b, normalized(gap), x);
+  if (flat.part == 0.0) return {};
+  const auto corners_of = [&](int32_t triangle) {
+    std::vector<Vec3> corners;
+    for (const int32_t v : corners_.at(triangle)) corners.push_back(x[v]);
+    return corners;
+  };
+  const Index3 &face = mesh.triangles[flat.triangles[0]], &carrier = mesh.triangles[flat.triangles[1]];
+  const Vec3 outwards = normal_of(carrier, x), normal = outwards * (dot(gap, outwards) > 0.0 ? 1.0 : -1.0);
+  const auto [known, is_new] = areas.try_emplace(flat.triangles);
+  std::optional<PressedArea>& area = known->second;
+  if (is_new) area = find_pressed_area(corners_of(flat.triangles[0]), corners_of(flat.triangles[1]), normal);
+  if (!area || area->of_smaller < kShared) return {};
+  if (area->is_inside && contact.key.kind == PairKind::PointTriangle) return {};
+  Vec3 point;
+  for (size_t k = 0; k < count; ++k) point += x[of_a[k]] * contact.weights[k];
+  const Vec3 place = in_plane(face, point + (area->centre - point) * (1.0 - area->part), x);
+  const double depth = contact.contact_distance - norm(gap), farther = dot(place - point, normal);
+  const double part = flat.part * smooth_step((depth - farther) / (kCarries * depth));
+  if (!(depth > 0.0 && part > 0.0)) return {};
+  return SharedPlace{face, barycentric(face, point + (place - point) * part, x), carrier};
 }
 
 }  // namespace stark

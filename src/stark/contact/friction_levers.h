@@ -3,11 +3,15 @@
 // the face tilts, and stays where the other face is. [theory eq. 19d]
 #pragma once
 
+#include <array>
+#include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <stark/contact/closest_features.h>
 #include <stark/contact/contact_set.h>
+#include <stark/geometry/pressed_area.h>
 
 namespace stark {
 
@@ -16,11 +20,23 @@ struct LeverSite {
   int32_t vertex = 0, triangle = 0, site = 0;
 };
 
-/// Where friction acts: so much of the way from the vertex to the site; 0: at the vertex.
+/// A place of a triangle of a flat face, and a triangle of the other face that lies on it.
+struct SharedPlace {
+  Index3 face;
+  std::array<double, 3> shares;  ///< of the corners of the triangle
+  Index3 carrier;
+};
+
+/// Where friction acts: so much of the way from the vertex to the site; 0: at the vertex. Or, of faces that
+/// lie on each other in part, at a place that both share.
 struct LeverArm {
   int32_t site = 0;
   double part = 0.0;
+  std::optional<SharedPlace> shared{};
 };
+
+/// What pairs of faces share at the same site positions, by their triangles.
+using PressedAreas = std::map<Index2, std::optional<PressedArea>>;
 
 class FrictionLevers {
  public:
@@ -33,8 +49,25 @@ class FrictionLevers {
   /// positions x.
   LeverArm arm(const SurfaceMesh& mesh, const Contact& contact, int32_t triangle, const Vec3& normal,
                std::span<const Vec3> x) const;
+  /// Of a contact between two flat faces that lie on each other with more than half of the smaller one: in
+  /// what they share. None where arm() tells, for a vertex whose face lies inside of the other.
+  std::optional<SharedPlace> shared_place(const SurfaceMesh& mesh, const Contact& contact,
+                                          std::span<const Vec3> x, PressedAreas& areas) const;
 
  private:
+  /// Two faces, by a triangle of each, and 1 where they lie flat on each other, 0 where they tilt.
+  struct Flat {
+    Index2 triangles{-1, -1};
+    double part = 0.0;
+  };
+  /// Of those that have these vertices the two that lie flattest on each other, across a gap of this
+  /// direction.
+  Flat flattest_pair(const SurfaceMesh& mesh, std::span<const int32_t> of_a, std::span<const int32_t> of_b,
+                     const Vec3& gap, std::span<const Vec3> x) const;
+  /// Calls visit(triangle, normal) for the faces that have all these vertices and lie across the gap.
+  template <class Visit>
+  void visit_faces(const SurfaceMesh& mesh, std::span<const int32_t> vertices, const Vec3& gap,
+                   std::span<const Vec3> x, const Visit& visit) const;
   /// The one of the face of the vertex that lies flattest, and 1 where that lies flat, 0 where none does.
   LeverArm flattest(const SurfaceMesh& mesh, int32_t vertex, const Vec3& normal,
                     std::span<const Vec3> x) const;
@@ -42,7 +75,8 @@ class FrictionLevers {
   double part_within(int32_t triangle, const Vec3& normal, const Vec3& from, const Vec3& to,
                      std::span<const Vec3> x) const;
 
-  std::vector<LeverSite> sites_;  ///< by vertex
+  std::vector<LeverSite> sites_;                     ///< by vertex
+  std::map<int32_t, std::vector<int32_t>> corners_;  ///< of the faces, by their triangles
   std::vector<int32_t> patch_;
   SurfaceCells borders_;  ///< of flat faces
 };

@@ -93,12 +93,13 @@ void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std
 }
 
 FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionCoefficient& mu,
-                                         const Vec3& force, std::span<const Vec3> x) const {
+                                         const Vec3& force, std::span<const Vec3> x,
+                                         PressedAreas& areas) const {
   const Pair* before = resets_ > 0 ? find(contact.key) : nullptr;
   // Arms that followed the iterates of an impact would keep friction from settling.
   const std::optional<LeverArm> arm = before ? std::optional(before->stencil.arm) : std::nullopt;
   Pair pair{.contact = contact,
-            .stencil = carriers_.stencil(*mesh_, contact, x, arm),
+            .stencil = carriers_.stencil(*mesh_, contact, x, arm, areas),
             .normal = normalized(force),
             .force = norm(force)};
   pair.is_anisotropic = mu.is_anisotropic();
@@ -118,7 +119,7 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
   }
   if (resets_ >= kGeometryResets && before != nullptr) {
     pair.contact = before->contact;
-    pair.stencil = carriers_.stencil(*mesh_, pair.contact, x, arm);
+    pair.stencil = carriers_.stencil(*mesh_, pair.contact, x, arm, areas);
     pair.normal = before->normal;
     pair.deflection = before->deflection;
     pair.along = before->along;
@@ -199,10 +200,11 @@ std::vector<FrictionSet::Pair> FrictionSet::make_pairs(const std::vector<Contact
                                                        std::span<const Vec3> x) const {
   std::vector<Pair> pairs;
   pairs.reserve(contacts.size());
+  PressedAreas areas;
   for (size_t c = 0; c < contacts.size(); ++c) {
     const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
     if (!(mu.sticking > 0.0) || !(norm(forces[c]) > 0.0)) continue;
-    Pair pair = make_pair(contacts[c], mu, forces[c], x);
+    Pair pair = make_pair(contacts[c], mu, forces[c], x, areas);
     pair.limit = (pair.slides ? mu.sliding : mu.sticking) * pair.force;
     pairs.push_back(std::move(pair));
   }

@@ -24,7 +24,7 @@ namespace stark {
 /// Coulomb's coefficients of a pair of groups.
 using FrictionTable = std::function<FrictionCoefficient(int32_t group_a, int32_t group_b)>;
 
-/// Friction of 2 to 5 points.
+/// Friction of 2 to 6 points.
 struct FrictionPotentials {
   static constexpr int kCounts = kFrictionPoints - 1;
   std::array<std::shared_ptr<const Potential>, kCounts> isotropic;
@@ -148,7 +148,7 @@ class FrictionSet {
   };
 
   Pair make_pair(const Contact& contact, const FrictionCoefficient& mu, const Vec3& force,
-                 std::span<const Vec3> x) const;
+                 std::span<const Vec3> x, PressedAreas& areas) const;
   std::vector<Pair> make_pairs(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                                const FrictionTable& coefficient, std::span<const Vec3> x) const;
   static int64_t bodies_of(const Pair& pair);
@@ -198,7 +198,7 @@ class FrictionSet {
   std::optional<std::vector<Pair>> next_start_;  ///< what is remembered in place of pairs_
   std::set<int64_t> touching_;                   ///< bodies that had friction at the start
   int resets_ = 0;                               ///< in this step
-  std::vector<PotentialBatch> batches_;  ///< of 2 to 5 points, then the anisotropic ones if there are any
+  std::vector<PotentialBatch> batches_;  ///< of 2 to 6 points, then the anisotropic ones if there are any
   std::vector<PotentialBatch> models_;
   std::vector<Fields> fields_;                ///< of each batch and its model
   std::vector<std::vector<size_t>> members_;  ///< pairs of their elements

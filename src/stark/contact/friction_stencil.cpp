@@ -41,6 +41,40 @@ void add(FrictionStencil& stencil, int32_t site, double weight, const Vec3& slop
   stencil.slopes[k] += slope;
 }
 
+/// The triangle of a frame carries a point of side A (1) or B (-1) that is a height above it.
+void add_carrier(const Index3& triangle, const Frame& frame, const Vec3& point, double side,
+                 FrictionStencil& stencil) {
+  const Vec3 from_centre = point - frame.centre;
+  const double height = dot(frame.normal, from_centre);
+  double rest = side;
+  for (int k = 2; k >= 0; --k) {
+    const double share = side * (1.0 / 3.0 + dot(frame.gradient[k], from_centre));
+    const double weight = k > 0 ? share : rest;  // sums of shares are one in every bit
+    add(stencil, triangle[k], -weight, frame.gradient[k] * (side * height));
+    rest -= weight;
+  }
+}
+
+/// Both triangles carry the place.
+FrictionStencil shared_stencil(const SharedPlace& shared, const Contact& contact, std::span<const Vec3> x) {
+  const Frame frame = frame_of(shared.carrier, x);
+  if (frame.shape == 0.0) return closest_points(contact);
+  FrictionStencil stencil{.facing = frame.normal, .arm = {.shared = shared}};
+  Vec3 point;
+  double rest = 1.0;
+  for (int k = 2; k >= 0; --k) {
+    const int32_t site = shared.face[k];
+    const double weight = k > 0 ? shared.shares[k] : rest;
+    add(stencil, site, weight, {});
+    point += x[site] * weight;
+    rest -= weight;
+  }
+  stencil.shift = point;
+  for (int p = 0; p < contact.side_a_count; ++p) stencil.shift -= x[contact.sites[p]] * contact.weights[p];
+  add_carrier(shared.carrier, frame, point, 1.0, stencil);
+  return stencil;
+}
+
 }  // namespace
 
 Vec3 FrictionStencil::motion(std::span<const Vec3> x, std::span<const Vec3> reference) const {
@@ -137,7 +171,11 @@ LeverArm FrictionCarriers::arm_of(const SurfaceMesh& mesh, const Contact& contac
 }
 
 FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact& contact,
-                                          std::span<const Vec3> x, std::optional<LeverArm> arm) const {
+                                          std::span<const Vec3> x, const std::optional<LeverArm>& arm,
+                                          PressedAreas& areas) const {
+  std::optional<SharedPlace> shared = arm ? arm->shared : std::nullopt;
+  if (!arm && !levers_.empty()) shared = levers_.shared_place(mesh, contact, x, areas);
+  if (shared) return shared_stencil(*shared, contact, x);
   const Carrier carrier = carrier_of(mesh, contact, x);
   if (!carrier.triangle) return closest_points(contact);
   const Index3& triangle = *carrier.triangle;
@@ -160,15 +198,7 @@ FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact
     point += stencil.shift * weight;
   }
   side = side > 0.0 ? 1.0 : -1.0;
-  const Vec3 from_centre = point * side - frame.centre;
-  const double height = dot(frame.normal, from_centre);
-  double rest = side;
-  for (int k = 2; k >= 0; --k) {
-    const double share = side * (1.0 / 3.0 + dot(frame.gradient[k], from_centre));
-    const double weight = k > 0 ? share : rest;  // sums of shares are one in every bit
-    add(stencil, triangle[k], -weight, frame.gradient[k] * (side * height));
-    rest -= weight;
-  }
+  add_carrier(triangle, frame, point * side, side, stencil);
   return stencil;
 }
 

@@ -16,8 +16,8 @@
 
 namespace stark {
 
-/// Largest number of points of a friction stencil: an edge and a triangle.
-inline constexpr int kFrictionPoints = 5;
+/// Largest number of points of a friction stencil: two triangles.
+inline constexpr int kFrictionPoints = 6;
 
 /// Motion of side A against side B at the point of friction, linear in the motions d_i of the sites:
 ///     u = sum_i weight_i d_i + slope_i (facing . d_i).
@@ -48,7 +48,13 @@ class FrictionCarriers {
   /// body; otherwise the closest points as they are.
   /// arm: to be kept; none: by the positions.
   FrictionStencil stencil(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x,
-                          std::optional<LeverArm> arm = {}) const;
+                          std::optional<LeverArm> arm = {}) const {
+    PressedAreas areas;
+    return stencil(mesh, contact, x, arm, areas);
+  }
+  /// areas: what faces share at these positions, as far as it is known.
+  FrictionStencil stencil(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x,
+                          const std::optional<LeverArm>& arm, PressedAreas& areas) const;
 
  private:
   struct Carrier {

@@ -15,10 +15,12 @@ PotentialDefinition friction_2();
 PotentialDefinition friction_3();
 PotentialDefinition friction_4();
 PotentialDefinition friction_5();
+PotentialDefinition friction_6();
 PotentialDefinition anisotropic_friction_2();
 PotentialDefinition anisotropic_friction_3();
 PotentialDefinition anisotropic_friction_4();
 PotentialDefinition anisotropic_friction_5();
+PotentialDefinition anisotropic_friction_6();
 PotentialDefinition restitution();
 }  // namespace models
 
@@ -33,11 +35,13 @@ ContactPotentials compile_contact_potentials(symbolic::Backend backend, bool ani
                    compile(models::barrier_mollified_point_edge()),
                    compile(models::barrier_mollified_edge_edge())},
       .friction = {.isotropic = {compile(models::friction_2()), compile(models::friction_3()),
-                                 compile(models::friction_4()), compile(models::friction_5())}}};
+                                 compile(models::friction_4()), compile(models::friction_5()),
+                                 compile(models::friction_6())}}};
   if (anisotropic)
     potentials.friction.anisotropic = {
         compile(models::anisotropic_friction_2()), compile(models::anisotropic_friction_3()),
-        compile(models::anisotropic_friction_4()), compile(models::anisotropic_friction_5())};
+        compile(models::anisotropic_friction_4()), compile(models::anisotropic_friction_5()),
+        compile(models::anisotropic_friction_6())};
   if (restitution) potentials.restitution = compile(models::restitution());
   return potentials;
 }

@@ -161,6 +161,42 @@ def friction_5(
 
 
 @stark.energy
+def friction_6(
+    s: stark.Stencil[6],
+    limit: float,
+    normal: stark.Vec3,
+    stick_displacement: float,
+    deflection: stark.Vec3,
+    facing: stark.Vec3,
+    weight0: float,
+    slope0: stark.Vec3,
+    weight1: float,
+    slope1: stark.Vec3,
+    weight2: float,
+    slope2: stark.Vec3,
+    weight3: float,
+    slope3: stark.Vec3,
+    weight4: float,
+    slope4: stark.Vec3,
+    weight5: float,
+    slope5: stark.Vec3,
+    slope: float,
+    pull: stark.Vec3,
+    way: stark.Vec3,
+    pull_at_iterate: float,
+    way_at_iterate: float,
+    is_model: float,
+):
+    model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
+    weights, slopes = (
+        [weight0, weight1, weight2, weight3, weight4, weight5],
+        (slope0, slope1, slope2, slope3, slope4, slope5),
+    )
+    kept = (limit, normal, stick_displacement, deflection, model)
+    return coulomb(list(s), weights, *kept, facing, slopes)
+
+
+@stark.energy
 def anisotropic_friction_2(
     s: stark.Stencil[2],
     limit: float,
@@ -268,5 +304,42 @@ def anisotropic_friction_5(
 ):
     model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
     weights, slopes = [weight0, weight1, weight2, weight3, weight4], (slope0, slope1, slope2, slope3, slope4)
+    square, u = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
+    return coulomb_smoothed(square, u, limit, stick_displacement, model)
+
+
+@stark.energy
+def anisotropic_friction_6(
+    s: stark.Stencil[6],
+    limit: float,
+    along: stark.Vec3,
+    across: stark.Vec3,
+    stick_displacement: float,
+    deflection: stark.Vec3,
+    facing: stark.Vec3,
+    weight0: float,
+    slope0: stark.Vec3,
+    weight1: float,
+    slope1: stark.Vec3,
+    weight2: float,
+    slope2: stark.Vec3,
+    weight3: float,
+    slope3: stark.Vec3,
+    weight4: float,
+    slope4: stark.Vec3,
+    weight5: float,
+    slope5: stark.Vec3,
+    slope: float,
+    pull: stark.Vec3,
+    way: stark.Vec3,
+    pull_at_iterate: float,
+    way_at_iterate: float,
+    is_model: float,
+):
+    model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
+    weights, slopes = (
+        [weight0, weight1, weight2, weight3, weight4, weight5],
+        (slope0, slope1, slope2, slope3, slope4, slope5),
+    )
     square, u = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
     return coulomb_smoothed(square, u, limit, stick_displacement, model)

@@ -61,7 +61,7 @@ OF_SECOND_ORDER = ("solid_damping", "membrane_damping")
 
 # Inputs of several points that enter alike leave ties in the canonical numbering: the graph of the Hessian
 # may have one or two operations more or less, the code that runs is the same to the instruction.
-WITH_TIES = tuple(f"{name}_{count}" for name in ("friction", "anisotropic_friction") for count in (3, 4, 5))
+WITH_TIES = tuple(f"{name}_{count}" for name in ("friction", "anisotropic_friction") for count in range(3, 7))
 
 
 # Newton's steps of what yields leave such ties in the code, too: an instruction more or less.

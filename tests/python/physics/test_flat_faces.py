@@ -105,3 +105,59 @@ def test_faces_that_are_flat_to_a_nanometre_are_as_flat_ones() -> None:
         -1, 1, (len(mesh.vertices), 3)
     )
     assert lever(stark.mesh.TriangleMesh(moved, mesh.triangles)) == pytest.approx(lever(mesh), rel=0.01)
+
+
+def holds(scene: stark.Scene, body: stark.RigidBody, axis: int, torque: float, time_step: float) -> bool:
+    """Whether a body stays where it is under a torque about an axis, of what has come to rest before."""
+    load = scene.add_torque(body, (0.0, 0.0, 0.0))
+    sim = stark.Simulation(scene, time_step=time_step, contact_distance=3e-4)
+    sim.run_until(0.1)
+    load.torque = torque * np.eye(3)[axis]
+    sim.run_until(0.2)
+    start = body.rotation.copy()
+    sim.run_until(0.3)
+    return bool(abs(body.rotation - start).max() < 1e-5)
+
+
+@pytest.mark.parametrize(
+    ("shift", "turn", "area"),
+    [(0.0, 0.0, 1.0), (0.02, 0.0, 0.8), (0.003, 0.0, 0.97), (0.0, 0.4, 1.0), (0.0, 0.02, 1.0)],
+)
+def test_a_box_on_an_equal_one_meets_the_torque_of_what_both_share(
+    shift: float, turn: float, area: float
+) -> None:
+    """Aligned, over the edge, and turned: corners over corners and edges that cross. Corners alone held 1.8
+    times as much."""
+    n = 300
+    x, y = np.meshgrid(*2 * [((np.arange(n) + 0.5) / n - 0.5) * _SIDE])
+    across = stark.rotation(axis="z", angle=turn)[:2, :2].T @ np.stack([x.ravel() - shift, y.ravel()])
+    shared = np.stack([x.ravel(), y.ravel()])[:, (abs(across) < _SIDE / 2).all(axis=0)]
+    middle = shared.mean(axis=1, keepdims=True)
+    even = float(np.hypot(*(shared - middle)).mean()) * _MU * _MASS * _G
+    for part in (0.9, 1.1):
+        scene = stark.Scene()
+        scene.default_friction = _MU
+        scene.add_box(_SIDE, motion="fixed", position=(0, 0, -_SIDE / 2))
+        box = scene.add_box(
+            (_SIDE, _SIDE, 0.02),
+            mass=_MASS,
+            position=(shift, 0, 0.0106),
+            rotation=stark.rotation(axis="z", angle=turn),
+        )
+        assert holds(scene, box, 2, part * even, 0.005) == (part < 1.0)
+
+
+def test_fingers_as_wide_as_a_bar_hold_the_torsion_of_their_pads() -> None:
+    """Their edges lie along those of the bar: it turned in the grip beyond 1.6 times the torque."""
+    side, grip = 0.02, 10.0
+    even = 2.0 * _SQUARE * side * 0.5 * grip
+    for part in (0.85, 1.15):
+        scene = stark.Scene()
+        scene.default_friction = 0.5
+        bar = scene.add_box((0.2, side, side), mass=0.3)
+        for y in (-0.0155, 0.0155):
+            finger = scene.add_box((side, 0.01, side), mass=0.05, position=(0.0, y, 0.0))
+            scene.add_slider(None, finger, anchor=(0.0, y, 0.0), axis=(0.0, -y, 0.0)).add_effort(grip)
+            scene.add_force(finger, (0.0, 0.0, 0.05 * _G))
+        scene.add_force(bar, (0.0, 0.0, 0.3 * _G))
+        assert holds(scene, bar, 1, part * even, 0.002) == (part < 1.0)
