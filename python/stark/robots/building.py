@@ -18,9 +18,9 @@ from stark.joints.adding import frame_with_z
 from stark.joints.handle import Joint
 from stark.mesh import TriangleMesh, joined
 from stark.robots import kinematics
-from stark.robots.checks import check_reach, is_nothing, refuse_impossible
+from stark.robots.checks import check_reach, check_touching, is_nothing, refuse_impossible, shapes_of
 from stark.robots.closing import close
-from stark.robots.description import Closure, Flex, Geometry, Inertia, Link, RobotDescription, RobotJoint
+from stark.robots.description import Closure, Flex, Geometry, Inertia, RobotDescription, RobotJoint
 from stark.robots.flexes import Carrier, add_flex
 from stark.robots.handle import Robot
 from stark.robots.kinematics import WORLD, Placement, limits_of
@@ -94,6 +94,8 @@ class _Builder:
             if joint.is_moving:
                 self._add_effects(joint)
         self._exclude()
+        if self.options.contact:
+            check_touching(self.robot.links.values(), self.options.shapes, self.options.base, self.report)
         flexes = {flex.name: self._add_flex(flex) for flex in self.robot.flexes.values()}
         links = {name: self._link(name) for name in self.robot.links}
         self.report.add(
@@ -120,6 +122,9 @@ class _Builder:
         names = self.robot.coordinates
         given = {} if self.options.q is None else self.options.q
         q = kinematics.numbers_of(self.robot, given)
+        if isinstance(given, Mapping):
+            drawn = [self.robot.joints[name].reference for name in names]
+            q = np.array([q[k] if name in given else drawn[k] for k, name in enumerate(names)])
         lower, upper = limits_of(self.robot, self.report)
         for k, name in enumerate(names):
             unit = self.robot.joints[name].unit
@@ -133,7 +138,9 @@ class _Builder:
                 )
             q[k] = lower[k] if q[k] < lower[k] else upper[k]
             self.report.add(
-                "assumed", f"joint '{name}'", f"starts at its limit {q[k]:g} {unit}, as 0 is beyond"
+                "assumed",
+                f"joint '{name}'",
+                f"starts at its limit {q[k]:g} {unit}, as {self.robot.joints[name].reference:g} is beyond",
             )
         return self._closed(q, given)
 
@@ -297,10 +304,10 @@ class _Builder:
             return self.surfaces[group.root, shapes]
         found = {}
         for name, frame in group.frames.items():
-            given = _shapes(self.robot.links[name], shapes)
-            found[name] = [self._part(shape, name, frame) for shape in given]
+            given = shapes_of(self.robot.links[name], shapes)
+            found[name] = self._parts(given, name, frame, needed=shapes == self.options.shapes)
             inertia = self._inertia_of(name)
-            if inertia is not None and any(shape.kind == "mesh" for shape in given):
+            if inertia is not None and found[name] and any(shape.kind == "mesh" for shape in given):
                 vertices = np.concatenate([part.vertices for part in found[name]])
                 check_reach(name, vertices, inertia.moved(*frame), self.report)
         self.surfaces[group.root, shapes] = found
@@ -313,9 +320,27 @@ class _Builder:
         shown = joined(parts) if parts else None
         return None if shown is None or np.array_equal(shown.vertices, mesh.vertices) else shown
 
-    def _part(self, shape: Geometry, link: str, frame: Placement) -> TriangleMesh:
-        surface = mesh_of(shape, self.robot.source, f"link '{link}'", self.report)
-        return TriangleMesh(surface.vertices @ frame.rotation.T + frame.position, surface.triangles)
+    def _parts(
+        self, shapes: Iterable[Geometry], link: str, frame: Placement, *, needed: bool
+    ) -> list[TriangleMesh]:
+        """Surfaces in the frame of the body. What is only shown, and cannot be read, is left out."""
+        parts, title = [], f"link '{link}'"
+        remedy = "correct it, or leave it out with contact=False"
+        if not needed or not self.options.contact:
+            remedy = "correct the file"
+        for shape in shapes:
+            try:
+                surface = mesh_of(shape, self.robot.source, title, self.report, remedy)
+            except InvalidArgument as error:
+                if needed:
+                    raise
+                text = str(error).removeprefix(f"{self.robot.source}: {title}: ")
+                self.report.add("dropped", title, f"what is only shown of it: {text}")
+                continue
+            parts.append(
+                TriangleMesh(surface.vertices @ frame.rotation.T + frame.position, surface.triangles)
+            )
+        return parts
 
     # --- joints ---
 
@@ -448,10 +473,6 @@ class _Builder:
             report=self.robot.report,
             flexes=self.robot.flexes.values(),
         )
-
-
-def _shapes(link: Link, which: str) -> tuple[Geometry, ...]:
-    return link.visuals if which == "visual" else link.collisions
 
 
 def _box_of(inertia: Inertia) -> TriangleMesh:

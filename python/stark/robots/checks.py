@@ -1,14 +1,14 @@
-"""Inertias of a robot file that cannot be, and those that are hardly meant."""
+"""Inertias and shapes of a robot file that cannot be, and those that are hardly meant."""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import numpy as np
 
 from stark._core import InvalidArgument
-from stark.robots.description import Inertia, Link
+from stark.robots.description import Geometry, Inertia, Link
 from stark.robots.report import Report
 
 #: Radii of gyration beyond these [m] are suspicious in a robot.
@@ -46,6 +46,29 @@ def check_inertias(links: Iterable[Link], report: Report) -> None:
         # Legs and wheels are alike, too; a placeholder is that of a ball, or all there is.
         if len(names) > 2 and (least == largest or 2 * len(names) > sum(map(len, same.values()))):
             report.add("suspicious", "links", f"{', '.join(names)} have the same inertia: a placeholder?")
+
+
+def shapes_of(link: Link, which: str) -> tuple[Geometry, ...]:
+    """Those of a kind, "visual" or "collision"."""
+    return link.visuals if which == "visual" else link.collisions
+
+
+def check_touching(links: Collection[Link], shapes: str, base: str, report: Report) -> None:
+    """Warns of a robot that should touch things and has nothing to touch them with: it falls through floors.
+    One of joints and inertias alone, which nobody sees on its fixed base, is meant so."""
+    is_meant = base != "floating" and not any(link.visuals for link in links)
+    if is_meant or any(shapes_of(link, shapes) for link in links):
+        return
+    other = "visual" if shapes == "collision" else "collision"
+    remedy = (
+        f"give shapes='{other}'" if any(shapes_of(link, other) for link in links) else "add some to the file"
+    )
+    report.add(
+        "suspicious",
+        "robot",
+        f"no link has a {shapes} shape: it touches nothing; {remedy}, or contact=False if that is meant",
+        warn=True,
+    )
 
 
 def check_reach(link: str, vertices: np.ndarray, inertia: Inertia, report: Report) -> None:

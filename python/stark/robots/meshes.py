@@ -15,14 +15,18 @@ from stark.robots.description import Geometry
 from stark.robots.report import Report
 
 
-def mesh_of(shape: Geometry, source: str, title: str, report: Report | None = None) -> TriangleMesh:
+def mesh_of(
+    shape: Geometry,
+    source: str,
+    title: str,
+    report: Report | None = None,
+    remedy: str = "correct it, or leave it out with contact=False",
+) -> TriangleMesh:
     """The surface of one shape in the frame of its link. InvalidArgument names source, link and remedy."""
     try:
         surface = _without_flat(_finite(_surface(shape), shape), title, report)
     except (InvalidMesh, InvalidArgument) as error:
-        raise InvalidArgument(
-            f"{source}: {title}: shape {shape.kind}: {error}; correct it, or leave it out with contact=False"
-        ) from None
+        raise InvalidArgument(f"{source}: {title}: shape {shape.kind}: {error}; {remedy}") from None
     if report is not None and shape.file is not None and (unit := unit_of(shape.file)) != 1.0:
         report.add("kept", title, f"mesh '{shape.file.name}' is in units of {unit:g} m, as it says")
     turned = surface.vertices @ shape.rotation.T + shape.position

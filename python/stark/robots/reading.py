@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 from stark._core import InvalidArgument
 from stark.arguments import given_path
 from stark.robots.description import RobotDescription
+from stark.robots.xml import not_xml, parsed
 
 
 def read(
@@ -50,7 +51,7 @@ def read_exclusions(path: str | os.PathLike[str], links: Iterable[str]) -> tuple
     if _root_of(file) != "robot":
         raise InvalidArgument(f"'{file}': must be an SRDF file, or give pairs of links")
     known, pairs = set(links), []
-    for element in ElementTree.parse(file).getroot().iter("disable_collisions"):
+    for element in parsed(file).iter("disable_collisions"):
         pair = element.get("link1", ""), element.get("link2", "")
         if not all(pair):
             raise InvalidArgument(f"'{file}': <disable_collisions>: link1 and link2 must be given; add them")
@@ -68,7 +69,5 @@ def _root_of(file: Path) -> str:
             f"'{file}': {error.strerror or error}: must be a URDF, MJCF or USD file; check the path"
         ) from None
     except ElementTree.ParseError as error:
-        raise InvalidArgument(
-            f"'{file}': {error}: must be XML; xacro files have to be expanded first"
-        ) from None
+        raise not_xml(file, error) from None
     raise InvalidArgument(f"'{file}': is empty: must be a URDF or MJCF file")

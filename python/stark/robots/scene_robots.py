@@ -54,17 +54,17 @@ class SceneRobots(SceneLink):
     ) -> Robot:
         """Adds a robot: a URDF, MJCF or USD file, or a ``stark.robots.RobotDescription`` (docs/robots.md).
 
-        ``base`` is "fixed", "floating" or "scripted" (moved as scripted bodies are), what the file says if
-        left out; ``position`` [m] and ``rotation`` place it. ``q``: where joints start, (n,) [rad, m] or
-        numbers by joint; others at 0, or at the limit next to it. Links touch by their collision shapes,
-        or those that ``shapes`` names ("visual"); with ``contact=False`` they touch nothing. Pictures show
-        what touches, with ``contact=False`` the visual shapes, or what ``shown`` names. Links that a joint
-        connects do not touch each other, nor the pairs of ``exclude`` (or an SRDF file), nor any with
-        ``self_contact=False``. Links that are fixed to each other are one body, or with
-        ``merge_fixed=False`` joined by fixed joints where both have mass. ``inertias``: (mass [kg], centre of
-        mass (3,) [m], tensor about it (3, 3) [kg m^2]) by link, instead of those of the file. ``packages``:
-        folders of ``package://`` names. ``contact_distance`` [m], ``friction`` and ``color`` as in
-        ``add_rigid``.
+        ``base`` is "fixed", "floating" or "scripted" (moved as scripted bodies are), what the file says
+        if left out; ``position`` [m] and ``rotation`` place it. ``q``: where joints start, (n,) [rad, m]
+        or numbers by joint; others where the file draws them, 0 or ``ref`` of MJCF, or at the limit next
+        to it. Links touch by their collision shapes, or those that ``shapes`` names ("visual"); with
+        ``contact=False`` they touch nothing. Pictures show what touches, with ``contact=False`` the
+        visual shapes, or what ``shown`` names. Links that a joint connects do not touch each other, nor
+        the pairs of ``exclude`` (or an SRDF file), nor any with ``self_contact=False``. Links that are
+        fixed to each other are one body, or with ``merge_fixed=False`` joined by fixed joints where both
+        have mass. ``inertias``: (mass [kg], centre of mass (3,) [m], tensor about it (3, 3) [kg m^2]) by
+        link, instead of those of the file. ``packages``: folders of ``package://`` names.
+        ``contact_distance`` [m], ``friction`` and ``color`` as in ``add_rigid``.
 
         ``print(robot.report)`` says what became of the file. Raises InvalidArgument with the file, part,
         rule and remedy, and leaves the scene as it was; ImportError where a reader is missing."""

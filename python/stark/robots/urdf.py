@@ -16,6 +16,7 @@ from stark._core import InvalidArgument
 from stark.robots.checks import check_inertias
 from stark.robots.description import KINDS, Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
 from stark.robots.report import Report
+from stark.robots.xml import parsed
 
 Floats = NDArray[np.float64]
 Element = ElementTree.Element
@@ -49,6 +50,7 @@ _REQUIRED = {
 }
 _DROPPED = ("calibration", "safety_controller")
 _KNOWN = {"link", "joint", "material"}
+_XACRO = "/xacro}"  # ends the namespace of its elements
 
 
 def read_urdf(file: Path, packages: Mapping[str, Path]) -> RobotDescription:
@@ -58,7 +60,7 @@ def read_urdf(file: Path, packages: Mapping[str, Path]) -> RobotDescription:
     except ImportError as error:
         raise ImportError(f"'{file}': URDF files need yourdfpy: pip install 'stark-sim[robots]'") from error
     report = Report(f"'{file}'")
-    tree = ElementTree.parse(file).getroot()
+    tree = parsed(file)
     _check_elements(tree, report)
     try:
         robot = URDF.load(
@@ -79,6 +81,14 @@ def read_urdf(file: Path, packages: Mapping[str, Path]) -> RobotDescription:
 
 def _check_elements(tree: Element, report: Report) -> None:
     """That names and numbers are there, and are numbers; reports what is not read."""
+    macros = next((element.tag for element in tree.iter() if _XACRO in str(element.tag)), None)
+    if macros is not None:
+        name = str(macros).rpartition("}")[2]
+        _refuse(
+            report,
+            f"<xacro:{name}>",
+            "is a macro: must be expanded first; write the file by `xacro robot.xacro > robot.urdf`",
+        )
     if not tree.get("name"):
         _refuse(report, "<robot>", "name: must be given; add name='...'")
     for element in tree:

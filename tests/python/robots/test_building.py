@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -283,3 +284,37 @@ def test_robots_that_touch_nothing_cost_no_more_than_those_that_do(tmp_path: Pat
     assert "link 'broken': collision shapes: " in str(robot.report.dropped[0])
     with pytest.raises(stark.InvalidArgument, match="leave it out with contact=False"):
         stark.Scene().add_robot(description)
+
+
+def test_what_is_only_shown_and_cannot_be_read_is_left_out(tmp_path: Path) -> None:
+    """It was refused, with the remedy that had asked for it."""
+    (tmp_path / "empty.obj").write_text("# nothing\n")
+    empty = Geometry("mesh", file=tmp_path / "empty.obj")
+    links = [Link("leg", BALL, (empty,), (Geometry("box", (0.1, 0.1, 0.1)),))]
+    for options in ({"contact": False}, {"shown": "visual"}):
+        robot = stark.Scene().add_robot(RobotDescription("leg", links, []), base="floating", **options)  # type: ignore[arg-type]
+        body = robot.links["leg"].body
+        assert body is not None and body.shown is None and len(body.triangles) == 12
+        finding = robot.report.dropped[0]
+        assert finding.part == "link 'leg'" and finding.text.startswith(
+            "what is only shown of it: shape mesh: "
+        )
+        assert "contact=False" not in finding.text
+    with pytest.raises(stark.InvalidArgument, match="shape mesh"):
+        stark.Scene().add_robot(RobotDescription("leg", links, []), base="floating", shapes="visual")
+
+
+def test_a_robot_that_has_nothing_to_touch_with_warns() -> None:
+    ball = (Geometry("sphere", (0.05,)),)
+    seen, bare = (RobotDescription("ball", [Link("ball", BALL, visuals)], []) for visuals in (ball, ()))
+    with pytest.warns(
+        stark.StarkWarning, match="no link has a collision shape: .*; give shapes='visual', or"
+    ):
+        robot = stark.Scene().add_robot(seen)
+    assert robot.report.suspicious[-1].part == "robot"
+    with pytest.warns(stark.StarkWarning, match="touches nothing; add some to the file, or contact=False"):
+        stark.Scene().add_robot(bare, base="floating")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        stark.Scene().add_robot(seen, contact=False)
+        stark.Scene().add_robot(seen, shapes="visual")

@@ -117,3 +117,22 @@ def test_what_stands_around_the_robot_is_reported(tmp_path: Path) -> None:
     robot = stark.robots.read(written_mjcf(tmp_path, f'{around}<body name="a"><freejoint/>{BODY}</body>'))
     for name in ("ground", "wall"):
         assert f"body 'world': geom '{name}': not of the robot; add what stands" in str(robot.report)
+
+
+def test_joints_start_where_the_file_draws_them(tmp_path: Path) -> None:
+    """At `ref`, as in mujoco: at 0 the arm would hang 60 degrees below where it is drawn."""
+    geom = '<geom type="capsule" fromto="0 0 0 .3 0 0" size=".02"/>'
+    slide = f'<body name="b" pos=".3 0 0"><joint name="b" type="slide" ref="0.01"/>{geom}</body>'
+    file = written_mjcf(
+        tmp_path, f'<body name="a"><joint name="a" axis="0 1 0" ref="60"/>{geom}{slide}</body>'
+    )
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    robot = stark.Scene().add_robot(file)
+    np.testing.assert_allclose(robot.q, model.qpos0, atol=1e-12)
+    np.testing.assert_allclose(robot.links["b"].position, data.body("b").xpos, atol=1e-12)
+    np.testing.assert_allclose(
+        stark.Scene().add_robot(file, q={"b": 0.2}).q, [model.qpos0[0], 0.2], atol=1e-12
+    )
+    assert not stark.Scene().add_robot(file, q=np.zeros(2)).q.any()

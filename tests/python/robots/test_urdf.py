@@ -45,6 +45,11 @@ INERTIAL = '<inertial>{}<inertia ixx="{}" ixy="0" ixz="0" iyy="0.01" iyz="0" izz
 LIMIT = '<axis xyz="0 0 1"/><limit lower="{}" upper="1" effort="{}" velocity="2"/>'
 BAD = {
     "not XML": ("<robot", "must be XML"),
+    "tags": ("<robot name='r'><link name='a'></robot>", "mismatched tag: line 1.*: must be XML"),
+    "xacro": (
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:leg/><link name="a"/></robot>',
+        "<xacro:leg>: is a macro: must be expanded first; write the file by `xacro robot.xacro",
+    ),
     "another format": ("<sdf/>", "begins with <sdf>: must be a URDF file"),
     "no name": ("<robot><link name='a'/></robot>", "<robot>: name: must be given"),
     "number": (pair(LIMIT.format("low", 5)), "joint 'hinge': <limit lower='low'>: must be a finite number"),
