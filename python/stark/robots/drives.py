@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 #: What can be assigned, by the kind of drives.
 _VALUES = {
-    "servos": ("target", "stiffness", "damping", "cap", "feedforward"),
+    "servos": ("target", "target_rate", "stiffness", "damping", "cap", "feedforward"),
     "motors": ("target", "cap", "delta"),
     "efforts": ("target",),
 }
@@ -112,6 +112,16 @@ class Drives(AnsweredAttributes):
     @target.setter
     def target(self, values: JointValues) -> None:
         self._assign("target", values)
+
+    @property
+    def target_rate(self) -> Floats:
+        """(k,) [rad/s, m/s] of servos, 0 at first: the rate of the target, which their damping does not
+        brake; assign others."""
+        return self._values("target_rate")
+
+    @target_rate.setter
+    def target_rate(self, values: JointValues) -> None:
+        self._assign("target_rate", values)
 
     @property
     def stiffness(self) -> Floats:

@@ -157,3 +157,24 @@ def test_a_robot_that_is_added_late_warns_once() -> None:
         late.add_servos(**GAINS)
     assert [str(w.message).partition(" was added")[0] for w in found] == ["robot 'late': servos"]
     assert found[0].filename == __file__ and sim.time == 0.0
+
+
+def test_servos_that_know_the_rate_of_their_target_do_not_lag() -> None:
+    """A lag of damping over stiffness times the rate, 0.075 * 0.8 = 0.06 rad, without it."""
+    worst = {}
+    for knows in (False, True):
+        scene, robot = arm()
+        servos = robot.add_servos("turn", stiffness=400.0, damping=30.0, cap=200.0)
+        servos.target = lambda t: 0.4 * (1.0 - np.cos(2.0 * t))
+        assert not servos.target_rate.any()
+        if knows:
+            servos.target_rate = {"turn": lambda t: 0.8 * np.sin(2.0 * t)}
+        sim = stark.Simulation(scene, time_step=0.005)
+        worst[knows] = 0.0
+        for _ in range(200):
+            run(sim, 1)
+            goal = 0.4 * (1.0 - np.cos(2.0 * sim.time))
+            worst[knows] = max(worst[knows], abs(robot.q[0] - goal))
+    assert worst[True] < 0.004 and worst[False] > 0.05
+    with pytest.raises(stark.InvalidArgument, match="target_rate: only servos have it"):
+        arm()[1].add_efforts().target_rate = 1.0
