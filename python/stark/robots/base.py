@@ -14,7 +14,7 @@ from stark.bodies import Cloth, RigidBody, Rod, Solid
 from stark.handle import SimulationLink, placed_together
 from stark.robots.description import RobotDescription
 from stark.robots.kinematics import Placement
-from stark.robots.link import RobotLink
+from stark.robots.link import RobotLink, moving_point
 from stark.rotations import as_matrix, vector
 
 Floats = NDArray[np.float64]
@@ -63,10 +63,7 @@ def place_base(robot: BasedRobot, value: tuple[ArrayLike, ArrayLike]) -> None:
 def base_velocity(robot: BasedRobot) -> tuple[Floats, Floats]:
     """Of the origin of the frame of the base [m/s], and its angular velocity [rad/s]."""
     link = robot.links[robot.description.root]
-    if link.body is None:
-        return np.zeros(3), np.zeros(3)
-    velocity, angular_velocity = link.body.velocity, link.body.angular_velocity
-    return velocity + np.cross(angular_velocity, link.position - _moving_point(link.body)), angular_velocity
+    return link.velocity, link.angular_velocity
 
 
 def push_base(
@@ -82,16 +79,10 @@ def push_base(
     bodies, flexes = _carried(robot, root)
     with placing(core):
         for body in bodies:
-            body.velocity = body.velocity + gain + np.cross(spin, _moving_point(body) - origin)
+            body.velocity = body.velocity + gain + np.cross(spin, moving_point(body) - origin)
             body.angular_velocity = body.angular_velocity + spin
         for flex in flexes:
             flex.velocities = flex.velocities + gain + np.cross(spin, flex.positions - origin)
-
-
-def _moving_point(body: RigidBody) -> Floats:
-    """What ``body.velocity`` is of: the centre of mass; of scripted bodies, the origin."""
-    position, rotation = body.pose
-    return position if body.motion == "scripted" else position + rotation @ body.center_of_mass
 
 
 def _floating(robot: BasedRobot, what: str) -> str:

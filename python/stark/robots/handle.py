@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import added_later, needs_simulation
-from stark.attributes import AnsweredAttributes
 from stark.bodies import Cloth, RigidBody, Rod, Solid
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Joint
@@ -24,6 +23,7 @@ from stark.robots.base import base_velocity, place_base, placing, push_base
 from stark.robots.closing import place_closed
 from stark.robots.description import RobotDescription
 from stark.robots.drives import Drives, add_drives
+from stark.robots.dynamics import RobotDynamics
 from stark.robots.inverse import Goal, Reach, Search, count_of, positive
 from stark.robots.kinematics import Placement, Values
 from stark.robots.link import RobotLink
@@ -32,7 +32,6 @@ from stark.robots.report import Report
 from stark.robots.targets import JointValues
 from stark.robots.weight import CarriedWeight
 from stark.rotations import as_matrix, vector
-from stark.settings import Settings
 
 Floats = NDArray[np.float64]
 Choice: TypeAlias = str | Sequence[str] | None
@@ -47,7 +46,7 @@ class Axis(NamedTuple):
     shift: float
 
 
-class Robot(AnsweredAttributes):
+class Robot(RobotDynamics):
     """A robot in a scene. q, qd and tau are arrays (n,) in the order of ``coordinates``: joints that turn or
     slide and mimic no other one. It reads the newest simulation of the scene that is alive; those of
     ``sim.robots`` read that one."""
@@ -74,6 +73,14 @@ class Robot(AnsweredAttributes):
         self._weight = CarriedWeight(description, links)
 
     _of: SimulationLink | None
+    _elsewhere: ClassVar[Mapping[str, str]] = {
+        "qpos": "robot.q",
+        "qvel": "robot.qd",
+        "dof": "len(robot.coordinates)",
+        "joint_names": "robot.coordinates",
+        "link_names": "list(robot.links)",
+        "torque": "robot.tau, efforts of the drives",
+    }
     _given_by: ClassVar[Mapping[str, str]] = {
         "tau": "drives.target, of robot.add_efforts()",
         "name": "scene.add_robot(..., name=...)",
@@ -397,17 +404,6 @@ class Robot(AnsweredAttributes):
         if not nearest:
             raise InvalidArgument(search.refusal(owner, found))
         return found
-
-    def gravity_efforts(self, q: Values | None = None, gravity: ArrayLike | None = None) -> Floats:
-        """Efforts (n,) [N m, N] that hold the robot at rest against its weight, the base held; at the present
-        q and in the gravity [m/s^2] of the simulation if left out, or that of default settings."""
-        if gravity is None:
-            simulation = self._simulation()
-            gravity = (Settings() if simulation is None else simulation.settings).gravity
-        acceleration = vector(gravity, f"robot '{self.name}': gravity")
-        if q is None:
-            return self._holding(acceleration)
-        return self._weight.of_links.efforts_at(self.forward_kinematics(q), acceleration)
 
     @property
     def _title(self) -> str:

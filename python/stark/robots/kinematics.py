@@ -158,13 +158,13 @@ def jacobian(robot: RobotDescription, links: Mapping[str, Placement], link: str,
             if joint.kind == "prismatic":
                 column[:3] += ratio * axis
             else:
-                column[:3] += ratio * _cross(axis, point - frame.position - frame.rotation @ joint.anchor)
+                column[:3] += ratio * cross(axis, point - frame.position - frame.rotation @ joint.anchor)
                 column[3:] += ratio * axis
         link = joint.parent
     return columns
 
 
-def _cross(a: Floats, b: Floats) -> Floats:
+def cross(a: Floats, b: Floats) -> Floats:
     """As np.cross, faster."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 

@@ -55,6 +55,21 @@ class RobotLink:
         """Axes of its frame in the world, as columns (3, 3)."""
         return self.pose[1]
 
+    @property
+    def velocity(self) -> Floats:
+        """Of the origin of its frame (3,) [m/s], world axes."""
+        if self.body is None:
+            return np.zeros(3)
+        arm = self.position - moving_point(self.body)
+        return reading(self.body.velocity + np.cross(self.angular_velocity, arm), self, "velocity")
+
+    @property
+    def angular_velocity(self) -> Floats:
+        """(3,) [rad/s], world axes."""
+        if self.body is None:
+            return np.zeros(3)
+        return reading(np.array(self.body.angular_velocity), self, "angular_velocity")
+
     @cached_property
     def visual(self) -> TriangleMesh | None:
         """The surface that the file shows, in the frame of the link [m]; None where there is none."""
@@ -87,3 +102,9 @@ class RobotLink:
 
     def __repr__(self) -> str:
         return f"<stark.robots.RobotLink '{self.name}'>"
+
+
+def moving_point(body: RigidBody) -> Floats:
+    """What ``body.velocity`` is of: the centre of mass; of scripted bodies, the origin."""
+    position, rotation = body.pose
+    return position if body.motion == "scripted" else position + rotation @ body.center_of_mass
