@@ -167,3 +167,26 @@ def test_cloth_between_rollers_goes_faster_by_the_contact_distance_over_the_radi
         excess = feed(0.03, distance) / (2.0 * 0.03) - 1.0
         assert 0.8 * distance / 0.03 < excess < 1.2 * distance / 0.03 + 5e-4
     assert feed(0.029, 1e-3) == pytest.approx(2.0 * 0.03, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("radius", "fineness", "distance"), [(0.05, 5, 1e-3), (0.02, 4, 1e-3), (0.05, 5, 2e-4)]
+)
+def test_a_spinning_ball_is_braked_as_by_a_disc(radius: float, fineness: int, distance: float) -> None:
+    """A point would not brake it. The arm is what docs/friction.md says, 0.4 times the root of the radius
+    times the sum of contact distances."""
+    mu, mass, gravity = 0.3, 0.2, 9.81
+    scene = stark.Scene()
+    scene.default_friction = mu
+    scene.add_floor(1.0)
+    place = (0, 0, radius + 1.6 * distance)
+    ball = scene.add_sphere(
+        radius, subdivisions=fineness, mass=mass, position=place, angular_velocity=(0, 0, 30.0)
+    )
+    sim = stark.Simulation(scene, time_step=0.002, contact_distance=distance)
+    sim.run_until(0.1)
+    start = ball.angular_velocity[2]
+    sim.run_until(0.3)
+    slowing = (start - ball.angular_velocity[2]) / 0.2
+    arm = slowing * np.asarray(ball.inertia)[2, 2] / (mu * mass * gravity)
+    assert arm == pytest.approx(0.4 * np.sqrt(radius * 2.0 * distance), rel=0.15)
