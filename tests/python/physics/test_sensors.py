@@ -254,3 +254,21 @@ def test_how_far_a_body_can_go() -> None:
     assert sim.state == before
     with pytest.raises(stark.InvalidArgument, match="free_path: displacement = 1: must be three numbers"):
         sim.free_path("box", 1)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "parts"),
+    [("implicit_euler", [0.5, 1.0, 1.0, 1.0, 1.0]), ("bdf2", [0.5, 2.19, 0.5, 1.06, 1.0])],
+)
+def test_readings_on_a_curve_are_right_after_the_first_steps(integrator: str, parts: list[float]) -> None:
+    """A box that starts on a circle: the force of its hinge over m w^2 r, as docs/sensors.md says."""
+    scene = stark.Scene()
+    box = scene.add_box(
+        (0.2, 0.05, 0.05), mass=1.0, position=(0.5, 0, 0), velocity=(0, 2, 0), angular_velocity=(0, 0, 4)
+    )
+    hinge = scene.add_hinge(None, box, anchor=(0, 0, 0), axis="z")
+    sim = stark.Simulation(scene, time_step=1e-3, gravity=(0, 0, 0), time={"integrator": integrator})
+    for part in parts:
+        sim.step()
+        assert -hinge.reaction.force[0] / 8.0 == pytest.approx(part, abs=5e-3)
+        assert -box.imu().specific_force[0] / 8.0 == pytest.approx(part, abs=5e-3)
