@@ -42,16 +42,19 @@ def read_actuators(
             )
             continue
         joint, ratio = driven
-        gains = _gains(model, k, ratio)
-        if gains is None or joint in found.gains:
+        gains, known = _gains(model, k, ratio), found.gains.get(joint, Gains(0.0))
+        if gains is None or (gains.stiffness > 0.0 and known.stiffness > 0.0):
             report.add("dropped", title, "is not built: use robot.add_servos, add_motors, add_efforts")
         else:
-            found.gains[joint] = gains
+            # Beside one that follows a position, one that follows a rate is its damping.
+            found.gains[joint] = Gains(gains.stiffness + known.stiffness, gains.damping + known.damping)
+            what = f"stiffness {gains.stiffness:g} and damping {gains.damping:g} of a servo"
+            if gains.stiffness == 0.0:
+                what = f"damping {gains.damping:g} of a servo that follows target_rate"
             report.add(
                 "kept",
                 title,
-                f"stiffness {gains.stiffness:g} and damping {gains.damping:g} of a servo on "
-                f"'{joint_names[joint]}': robot.add_servos() takes them where none are given",
+                f"{what} on '{joint_names[joint]}': robot.add_servos() takes them where none are given",
             )
         limit = _limit(model, k, abs(ratio))
         if limit is None:
@@ -73,9 +76,10 @@ def _limit(model: Any, k: int, ratio: float) -> float | None:
 
 def _gains(model: Any, k: int, ratio: float) -> Gains | None:
     """Of a servo: its force is gain * control + b_1 * length + b_2 * velocity, of a length that is ratio
-    times the coordinate."""
+    times the coordinate. One that follows a rate has no b_1, and the gain -b_2."""
     is_affine = model.actuator_gaintype[k] == _FIXED_GAIN and model.actuator_biastype[k] == _AFFINE
     if not is_affine or model.actuator_dyntype[k] != _NO_DYNAMICS:
         return None
     stiffness, damping = (-float(value) * ratio**2 for value in model.actuator_biasprm[k][1:3])
-    return Gains(stiffness, max(0.0, damping)) if stiffness > 0.0 else None
+    follows_rate = stiffness == 0.0 and model.actuator_gainprm[k][0] == -model.actuator_biasprm[k][2] > 0.0
+    return Gains(stiffness, max(0.0, damping)) if stiffness > 0.0 or follows_rate else None

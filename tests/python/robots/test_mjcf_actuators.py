@@ -60,3 +60,29 @@ def test_what_the_file_does_not_say_has_to_be_given(tmp_path: Path) -> None:
     ):
         robot.add_servos("s", stiffness=1.0, damping=0.1)
     assert "actuator 'm': is not built" in str(robot.report)
+
+
+def test_actuators_of_a_rate_are_the_damping_of_servos(tmp_path: Path) -> None:
+    """Beside one of a position, as many files have it, and alone."""
+    both = (
+        '<actuator><position name="p" joint="j" kp="40" forcerange="-50 50"/>'
+        '<velocity name="v" joint="j" kv="4"/><velocity name="w" joint="s" kv="30" forcerange="-60 60"/>'
+        "</actuator>"
+    )
+    file = written_mjcf(tmp_path, ARM, both)
+    model = mujoco.MjModel.from_xml_path(str(file))
+    model.opt.timestep = 1e-4
+    data = mujoco.MjData(model)
+    scene = stark.Scene()
+    robot = scene.add_robot(file)
+    assert "damping 30 of a servo that follows target_rate on 's'" in str(robot.report)
+    drives = robot.add_servos()
+    np.testing.assert_array_equal(np.r_[drives.stiffness, drives.damping], [40.0, 0.0, 4.0, 30.0])
+    drives.target, drives.target_rate = {"j": 0.5}, [0.3, -0.2]
+    sim = stark.Simulation(scene, time_step=1e-3)
+    sim.run_until(0.3)
+    data.ctrl[:] = 0.5, 0.3, -0.2
+    while data.time < 0.3 - 1e-9:
+        mujoco.mj_step(model, data)
+    np.testing.assert_allclose(robot.q, data.qpos, atol=2e-3)
+    np.testing.assert_allclose(robot.qd, data.qvel, atol=2e-2)
