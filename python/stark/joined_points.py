@@ -53,6 +53,13 @@ class JoinedPoints:
         )
 
     @property
+    def owners(self) -> NDArray[np.int64]:
+        """What carries the frame of the rest position of each point (n, 2)."""
+        return np.concatenate(
+            [np.empty((0, 2), np.int64), *(np.repeat(p.owners, len(p), axis=0) for p in self.parts)]
+        )
+
+    @property
     def positions(self) -> Floats:
         """In the world at time 0 (n, 3) [m]; of directions, the directions."""
         return self._stacked("positions")

@@ -53,6 +53,13 @@ class Points:
         return [] if self.body is None else [self.body]
 
     @property
+    def owners(self) -> NDArray[np.int64]:
+        """What carries the frame of the rest positions: a number of the body, or of the node of a rod, for
+        all points (1, 2)."""
+        body = -1 if self.body is None else self.body._index
+        return np.array([[body, self._columns.get("node", -1)]])
+
+    @property
     def positions(self) -> Floats:
         """In the world at time 0 (n, 3) [m]; of directions, the directions."""
         return self._initial(self)

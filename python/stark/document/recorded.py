@@ -144,7 +144,7 @@ class ReadFormula(EnergyFormula):
         self._declared_invariant = row["translation_invariant"]
         self._trace_read = trace
 
-    def trace(self, frames: Sequence[str] = ()) -> Trace:
+    def trace(self, frames: Sequence[str] = (), spanning: Sequence[str] = ()) -> Trace:
         return self._trace_read
 
     @property

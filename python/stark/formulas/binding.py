@@ -41,17 +41,19 @@ class RecordedEnergy:
         self.arguments: tuple[Argument, ...] = tuple(arguments)
         self.function = function
         self._declared_invariant = translation_invariant
-        self._traces: dict[tuple[str, ...], tracing.Trace] = {}
+        self._traces: dict[tuple[tuple[str, ...], tuple[str, ...]], tracing.Trace] = {}
         self._lock = threading.Lock()
         functools.update_wrapper(self, function)  # type: ignore[arg-type]
         self.__signature__: inspect.Signature = _call_signature(signature, self.arguments)
 
-    def trace(self, frames: Sequence[str] = ()) -> tracing.Trace:
-        """The recorded formula; recorded once for each combination of kinds of frames."""
-        key = tuple(frames) or ("sites",) * sum(isinstance(a, FrameArgument) for a in self.arguments)
+    def trace(self, frames: Sequence[str] = (), spanning: Sequence[str] = ()) -> tracing.Trace:
+        """The recorded formula; recorded once for each combination of kinds of frames, and of stencil
+        arguments whose points belong to several bodies."""
+        kinds = tuple(frames) or ("sites",) * sum(isinstance(a, FrameArgument) for a in self.arguments)
+        key = kinds, tuple(spanning)
         with self._lock:
             if key not in self._traces:
-                self._traces[key] = tracing.trace(self.name, self.function, self.arguments, key)
+                self._traces[key] = tracing.trace(self.name, self.function, self.arguments, *key)
             return self._traces[key]
 
     @property
@@ -82,13 +84,16 @@ class BoundEnergy:
         self.frames: tuple[str, ...] = ()
         self.constants: dict[str, Any] = {}  # of patch frames
         columns: list[Any] = []
+        spanning: list[str] = []  # stencils whose points belong to several bodies
         for argument in energy.arguments:
             if isinstance(argument, PointArgument):
-                columns += self._point_columns(argument, given[argument.name])
+                found = self._point_columns(argument, given[argument.name])
+                spanning += [argument.name] if _spans(found) else []
+                columns += found
             elif isinstance(argument, FrameArgument):
                 columns += self._frame_columns(argument, given[argument.name])
         self.element_count: int = self._count(columns)
-        self.trace: tracing.Trace = energy.trace(self.frames)
+        self.trace: tracing.Trace = energy.trace(self.frames, spanning)
         self.columns: list[Any] = [columns[p] for p in self.trace.kept]
         """A selection of points for each point of the formula."""
         self.values: dict[str, Value] = {p.name: self._value(p, given) for p in energy.parameters}
@@ -195,6 +200,17 @@ class BoundEnergy:
                 + (f"; {parameter.declaration.doc}" if parameter.declaration.doc else "")
             )
         return read_value(self.name, parameter, value, self.element_count)
+
+
+def _spans(columns: Sequence[Any]) -> bool:
+    """Whether points of any of the stencils belong to different bodies."""
+    if len(columns) < 2 or 0 in map(len, columns):
+        return False
+    owners = [column.owners for column in columns]
+    lengths = {len(each) for each in owners} - {1}
+    if len(lengths) > 1:
+        return False  # refused when the elements are counted
+    return any((each != owners[0]).any() for each in owners[1:])
 
 
 def _is_rigid(given: Any) -> bool:

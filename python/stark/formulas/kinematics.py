@@ -117,6 +117,7 @@ class Stencil:
 
     def __init__(self, inputs: Inputs, first: int, label: str) -> None:
         self._label = label
+        self._rest = "X"
         self.points: tuple[Point, ...] = tuple(
             Point(inputs, first + i, f"{label}[{i}]") for i in range(self.point_count)
         )
@@ -140,8 +141,16 @@ class Stencil:
     def __len__(self) -> int:
         return self.point_count
 
+    def rest_as_at_start(self) -> None:
+        """Takes for the rest shape the one at time 0: rest positions of several bodies are in the frames of
+        their meshes, which have nothing to do with each other."""
+        self._rest = "x0"
+
     def _positions(self, kind: str) -> list[Vec]:
         return [getattr(point, kind) for point in self.points]
+
+    def _rest_positions(self) -> list[Vec]:
+        return self._positions(self._rest)
 
     def __repr__(self) -> str:
         return f"<stark.{type(self).__name__} {self._label}>"
@@ -159,8 +168,8 @@ class Edge(Stencil):
 
     @property
     def rest_length(self) -> Scalar:
-        """Length at rest [m]."""
-        return _length(*self._positions("X"))
+        """Length at rest [m]; at time 0 if the ends belong to different bodies."""
+        return _length(*self._rest_positions())
 
     @property
     def length_prev(self) -> Scalar:
@@ -212,7 +221,7 @@ class Triangle(Stencil):
     @property
     def rest_metric(self) -> Mat:
         """The same of the rest triangle [m^2]."""
-        return _metric(self._positions("X"))
+        return _metric(self._rest_positions())
 
     @property
     def area(self) -> Scalar:
@@ -244,7 +253,7 @@ class Triangle(Stencil):
         return cross(b - a, c - a)
 
     def _gradient(self, kind: str) -> Mat:
-        rest = _edges(self._positions("X"))
+        rest = _edges(self._rest_positions())
         first, second = rest.column(0), rest.column(1)
         normal = normalized(cross(first, second))
         warp = normalized(first - dot(first, normal) * normal)
@@ -266,7 +275,7 @@ class Tetrahedron(Stencil):
     @property
     def rest_edges(self) -> Mat:
         """The same of the rest tetrahedron [m]."""
-        return _edges(self._positions("X"))
+        return _edges(self._rest_positions())
 
     @property
     def F(self) -> Mat:
@@ -307,7 +316,7 @@ class Hinge(Stencil):
     @property
     def rest_angle(self) -> Scalar:
         """Signed angle between the normals at rest [rad], zero when flat."""
-        return _fold_angle(*self._positions("X"))
+        return _fold_angle(*self._rest_positions())
 
     @property
     def angle_prev(self) -> Scalar:
@@ -323,14 +332,14 @@ class Hinge(Stencil):
     @property
     def rest_edge(self) -> Vec:
         """Vector along the shared edge at rest, a Vec3 [m]."""
-        a, b, *_ = self._positions("X")
+        a, b, *_ = self._rest_positions()
         return b - a
 
     @property
     def rest_weight(self) -> Scalar:
         """3 / (sum of the two rest areas) [1/m^2]; times the squared rest edge, the weight of discrete
         shells."""
-        _, normal_a, normal_b = _hinge(*self._positions("X"))
+        _, normal_a, normal_b = _hinge(*self._rest_positions())
         return 6.0 / (norm(normal_a) + norm(normal_b))
 
 

@@ -9,7 +9,7 @@ from stark import _core
 from stark._core import TraceError
 from stark.formulas.arguments import Argument, ClockArgument, FrameArgument, PointArgument
 from stark.formulas.frames import KINDS
-from stark.formulas.kinematics import Inputs, Point
+from stark.formulas.kinematics import Inputs, Point, Stencil
 from stark.formulas.parameters import Parameter
 from stark.formulas.totals import Totals, totals_of
 from stark.symbolic.errors import formula_error, recording
@@ -36,18 +36,23 @@ class Trace:
 
 
 def trace(
-    name: str, function: Callable[..., object], arguments: Sequence[Argument], frames: Sequence[str]
+    name: str,
+    function: Callable[..., object],
+    arguments: Sequence[Argument],
+    frames: Sequence[str],
+    spanning: Sequence[str] = (),
 ) -> Trace:
-    """Records the function. `frames`: kind of each frame argument, a key of frames.KINDS."""
+    """Records the function. `frames`: kind of each frame argument, a key of frames.KINDS; `spanning`: stencil
+    arguments whose points belong to several bodies."""
     count = sum(point_counts(arguments, frames))
     if count > 4 * MAX_POINTS:  # frames may leave some out
         raise formula_error(name, _too_many(count), function)
     inputs = Inputs(list(range(count)))
-    output = record(name, function, arguments, frames, inputs)
+    output = record(name, function, arguments, frames, inputs, spanning)
     used = _check_use(name, function, arguments, frames, inputs, output)
     if len(used) < count:
         inputs = Inputs(sorted(used))
-        output = record(name, function, arguments, frames, inputs)
+        output = record(name, function, arguments, frames, inputs, spanning)
     if len(used) > MAX_POINTS:
         raise formula_error(name, _too_many(len(used)), function)
     formula = inputs.builder.finish([output], is_energy=True)
@@ -92,13 +97,17 @@ def record(
     arguments: Sequence[Argument],
     frames: Sequence[str],
     inputs: Inputs,
+    spanning: Sequence[str] = (),
 ) -> Scalar:
     """The energy as an expression of the inputs."""
     values: list[object] = []
     kinds, point = iter(frames), 0
     for argument, count in zip(arguments, point_counts(arguments, frames), strict=True):
         if isinstance(argument, PointArgument):
-            values.append(argument.kind(inputs, point, argument.name))
+            symbol = argument.kind(inputs, point, argument.name)
+            if argument.name in spanning and isinstance(symbol, Stencil):
+                symbol.rest_as_at_start()
+            values.append(symbol)
         elif isinstance(argument, FrameArgument):
             values.append(KINDS[next(kinds)](inputs, point, argument.name))
         elif isinstance(argument, ClockArgument):

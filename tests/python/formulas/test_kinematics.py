@@ -217,3 +217,42 @@ def test_stencils_are_sequences_of_their_points() -> None:
     scene.add(three(stark.stencils(body, [[0, 1, 2]])))
     stark.Simulation(scene)
     assert seen[0] == 3 and seen[2][2] == seen[3] and "s[2]" in seen[3]
+
+
+def test_stencils_across_bodies_are_at_rest_as_they_start() -> None:
+    """Rest positions of two bodies are in the frames of their meshes, and say nothing of each other."""
+
+    @stark.energy
+    def spring(e: stark.Edge, stiffness: float = 100.0):
+        return 0.5 * stiffness * (e.length - e.rest_length) ** 2
+
+    @stark.energy
+    def film(t: stark.Triangle):
+        return stark.trace(t.F.T @ t.F) - 2.0 + t.area / t.rest_area
+
+    turned = stark.rotation(axis="z", angle=0.4)
+    scene, grid = stark.Scene(), stark.mesh.grid(0.2, 0.2, 2)
+    a = scene.add_box(0.1, mass=1.0, position=(0.0, 0.0, 1.0))
+    b = scene.add_box(0.1, mass=1.0, position=(0.5, 0.0, 1.0), rotation=turned)
+    low = scene.add_cloth(grid, initial_positions=1.25 * grid.vertices)
+    high = scene.add_cloth(grid, position=(0.0, 0.0, 0.3))
+    corner = a.points((0.05, 0.0, 0.0))
+    mixed = stark.joined(corner, low.vertices[0])
+    own = {
+        "bodies": scene.add(spring((corner, b.points((-0.05, 0.0, 0.0))))),
+        "sheets": scene.add(spring((low.vertices, high.vertices))),
+        "the world": scene.add(spring((corner, (0.3, 0.2, 0.1)))),
+        "some": scene.add(spring((mixed, stark.joined(a.points((-0.05, 0.0, 0.0)), high.vertices[1])))),
+        "triangle": scene.add(film((corner, b.points((0.0, 0.0, 0.0)), low.vertices[4]))),
+    }
+    stretched = scene.add(spring(low.edges))  # of one body: the rest shape is that of its mesh
+    parted = scene.add(spring((mixed, stark.joined(a.points((-0.05, 0, 0)), low.vertices[1]))))
+    sim = stark.Simulation(scene)
+    assert len(sim.energies) == 7
+    assert [energy.energy for name, energy in own.items() if name != "triangle"] == [0.0] * 4
+    assert abs(own["triangle"].energy - 1.0) < 1e-12
+    lengths = np.linalg.norm(
+        np.diff([column.rest_positions for column in low.edges.columns], axis=0)[0], axis=1
+    )
+    assert np.allclose(stretched.energies, 50.0 * (0.25 * lengths) ** 2, rtol=1e-12)
+    assert np.allclose(parted.energies, [0.0, 50.0 * 0.025**2], atol=1e-15)  # each element within a body
