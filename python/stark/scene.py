@@ -203,7 +203,8 @@ class Scene(
     ) -> Path:
         """Writes the scene as a document, ``name.json`` beside ``name.npz``, to be loaded anywhere by
         ``stark.load_scene(path)`` and run by ``stark run name.json``; returns the path. ``settings`` of the
-        simulation, ``until`` [s], the end of a run, and ``description`` go with it.
+        simulation, ``until`` [s], the end of a run, and ``description`` go with it. Both replace those of a
+        document saved before; a ``name.npz`` of anything else, as a checkpoint, is an error.
 
         It holds what was added to the scene, with the present values of energies and actuators; formulas of
         your own are recorded as formulas. A Python function of the time cannot be saved: use ``stark.motion``

@@ -6,6 +6,8 @@ import hashlib
 import io
 import json
 import math
+import zipfile
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -59,6 +61,7 @@ def write(
         with naming(file):
             refuse_special(file)
     if arrays:
+        _refuse_others(beside, place)
         write_atomically(beside, lambda file: file.write(packed))
     write_atomically(place, lambda file: file.write(text))
     return place
@@ -81,6 +84,21 @@ def _plain(value: Any, place: str, arrays: dict[str, Any]) -> Any:
     if isinstance(value, float) and math.isinf(value):
         return "inf" if value > 0.0 else "-inf"
     return value
+
+
+def _refuse_others(beside: Path, place: Path) -> None:
+    """Raises DocumentError where the file for the arrays is something else, as a checkpoint or a mesh. Arrays
+    of a document, whose names are places in it, are replaced."""
+    if not beside.exists():
+        return
+    names: list[str] = []
+    with suppress(OSError, zipfile.BadZipFile), zipfile.ZipFile(beside) as file:
+        names = file.namelist()
+    if not names or not all("/" in name for name in names):
+        raise DocumentError(
+            f"scene.save: path = '{place}': its arrays go into '{beside.name}', which is there already and "
+            f"has none of a document: it would be lost; choose another name for one of them"
+        )
 
 
 def _packed(arrays: Arrays) -> bytes:

@@ -138,6 +138,27 @@ def test_places_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "p.json").exists()
 
 
+def test_files_of_others_are_not_overwritten(tmp_path: Path) -> None:
+    """Checkpoints and meshes end in .npz, as the arrays of a document do."""
+    scene = stark.Scene()
+    scene.add_cloth(stark.mesh.grid(0.1, 0.1, 3))
+    sim = stark.Simulation(scene)
+    document = tmp_path / "cape.json"
+    for write in (sim.save, stark.mesh.sphere(0.1, 1).save, lambda path: path.write_bytes(b"notes")):
+        write(document.with_suffix(".npz"))
+        before = document.with_suffix(".npz").read_bytes()
+        with pytest.raises(stark.DocumentError, match=r"'cape\.npz', which is there already.*another name"):
+            scene.save(document)
+        assert document.with_suffix(".npz").read_bytes() == before and not document.exists()
+        document.with_suffix(".npz").unlink()
+    for size in (3, 4):  # one document replaces another, with its arrays or without
+        scene = stark.Scene()
+        scene.add_cloth(stark.mesh.grid(0.1, 0.1, size))
+        scene.save(document)
+        assert len(stark.load_scene(document).bodies) == 1
+        document.unlink()
+
+
 def test_the_text_is_plain_json(tmp_path: Path) -> None:
     everything().save(tmp_path / "a.json")
     text = (tmp_path / "a.json").read_text()
