@@ -16,12 +16,13 @@ Indices: TypeAlias = NDArray[np.int32]
 
 
 def points_of(values: ArrayLike, name: str) -> Points:
+    """A copy as (n, 3) numbers: whoever goes on writing into the array that was given changes no mesh."""
     refuse_masked(values, name)
     try:
         array = np.asarray(values)
         if array.dtype.kind not in "iuf":
             raise TypeError
-        array = np.ascontiguousarray(array, dtype=np.float64)
+        array = np.array(array, dtype=np.float64, order="C")
     except (TypeError, ValueError):
         raise InvalidMesh(
             f"{name}: got {type(values).__name__}: must be an array of shape (n, 3) of real numbers [m]"
@@ -34,6 +35,7 @@ def points_of(values: ArrayLike, name: str) -> Points:
 
 
 def indices_of(values: ArrayLike, columns: int, name: str) -> Indices:
+    """A copy as (m, columns) integers."""
     refuse_masked(values, name)
     try:
         array = np.asarray(values)
@@ -53,7 +55,7 @@ def indices_of(values: ArrayLike, columns: int, name: str) -> Indices:
         raise InvalidMesh(
             f"{name}: got the index {array.max()}: must be indices that fit 32 bits; check the numbering"
         )
-    return np.ascontiguousarray(array, dtype=np.int32)
+    return np.array(array, dtype=np.int32, order="C")
 
 
 def corners_of(vertices: Points, elements: Indices, name: str) -> list[Points]:

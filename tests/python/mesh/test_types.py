@@ -57,3 +57,15 @@ def test_tetrahedra_have_the_name_of_other_elements_too() -> None:
     box = mesh.tet_box(0.1, 1)
     assert box.elements is box.tets
     assert box.vertices[box.elements].shape == (len(box.tets), 4, 3)
+
+
+def test_arrays_that_are_given_are_copied() -> None:
+    """A loop that moves one array and makes a mesh of it in each pass gets different meshes."""
+    places, corners = mesh.grid(0.1, 0.1, 2).vertices.copy(), np.array([[0, 1, 3]], dtype=np.int32)
+    frames = []
+    for _ in range(3):
+        frames.append(mesh.TriangleMesh(places, corners))
+        places += (0.0, 0.0, 0.5)
+    corners[:] = 7
+    assert [frame.vertices[0, 2] for frame in frames] == [0.0, 0.5, 1.0]
+    assert frames[0].triangles.tolist() == [[0, 1, 3]]
