@@ -91,6 +91,14 @@ def crossing() -> stark.Scene:
     return scene
 
 
+def torn_sheet() -> stark.Scene:
+    """Each triangle with vertices of its own, as in files that write them for each face."""
+    scene, grid = stark.Scene(), mesh.grid(1.0, 1.0, 2)
+    rows = np.arange(3 * len(grid.triangles)).reshape(-1, 3)
+    scene.add_cloth(mesh.TriangleMesh(grid.vertices[grid.triangles].reshape(-1, 3), rows), name="sheet")
+    return scene
+
+
 def pea_in_a_box() -> stark.Scene:
     scene = stark.Scene()
     scene.add_box(1.0, mass=1.0)
@@ -317,6 +325,8 @@ CASES = [
     Case("empty scene", lambda: simulate(stark.Scene("nothing")), InvalidArgument, ("'nothing'", "0 bodies", "add_cloth")),
     Case("crossing surfaces", lambda: simulate(crossing()), InitialIntersection,
          ("'box' and 'sheet'", "intersect", "near (", "move them apart")),
+    Case("triangles that share no vertices", lambda: simulate(torn_sheet()), InitialIntersection,
+         ("'sheet' intersects itself", "lie at the same places", "stark.mesh.merged(mesh)")),
     Case("contained body", lambda: simulate(pea_in_a_box()), InitialIntersection,
          ("'pea' is inside 'box'", "near (", "fills its closed surface", "move it out", "hollow = true")),
     Case("density of a shell", lambda: stark.Scene().add_box(1.0, density=1.0, hollow=True), InvalidArgument,

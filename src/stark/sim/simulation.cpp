@@ -132,6 +132,13 @@ int64_t Simulation::exclusion_count() const { return parts_->watch.exclusions().
 
 void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) const {
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
+  // Different vertices at one place, as in files that write a vertex once for each triangle.
+  const auto has_doubled_vertex = [&](const auto& pair) {
+    for (const int32_t u : surface_mesh_.edges[pair.edge])
+      for (const int32_t v : surface_mesh_.triangles[pair.triangle])
+        if (u != v && norm(x[u] - x[v]) == 0.0) return true;
+    return false;
+  };
   const auto intersections = intersections_->intersections(x, contact_->filter(), *pool_);
   if (!intersections.empty()) {
     const auto& first = intersections.front();
@@ -143,8 +150,12 @@ void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) c
     throw InitialIntersection(name(a) + (a == b ? " intersects itself " : " and " + name(b) + " intersect ") +
                               when + " at " + std::to_string(intersections.size()) +
                               " edge-triangle pairs, the first near " + point_text(where) +
-                              (a == b ? "; pull its layers apart there, or add it with self_contact = false"
-                                      : "; move them apart, or disable contact between them"));
+                              (a != b ? "; move them apart, or disable contact between them"
+                               : std::ranges::any_of(intersections, has_doubled_vertex)
+                                   ? "; some of its vertices lie at the same places, so that its triangles "
+                                     "are not joined there: unite them with stark.mesh.merged(mesh), or add "
+                                     "it with self_contact = false"
+                                   : "; pull its layers apart there, or add it with self_contact = false"));
   }
   const auto contained = intersections_->contained_groups(x, contact_->filter(), *pool_);
   if (!contained.empty()) {
