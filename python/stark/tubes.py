@@ -35,6 +35,24 @@ def tube(rings: int, sides: int) -> Indices:
     return np.concatenate([walls, start, end]).astype(np.int32)
 
 
+def rings(count: int, triangles: Indices) -> NDArray[np.int64] | None:
+    """Vertices of each section (rings, sides), where ``tube`` or ``prisms`` made these triangles of ``count``
+    vertices; else None."""
+    sides = int(triangles[0, 2]) if len(triangles) else 0
+    if sides < 3 or len(triangles) % (2 * sides):
+        return None
+    number = len(triangles) // (2 * sides)
+    if count == number * sides + 2 and np.array_equal(triangles, tube(number, sides)):
+        return np.arange(number * sides).reshape(number, sides)
+    block = 2 * sides + 2
+    starts = block * np.arange(number // 2)[:, None, None]
+    if number % 2 or count != block * len(starts) or not np.array_equal(
+        triangles.reshape(len(starts), -1, 3), tube(2, sides)[None] + starts
+    ):  # fmt: skip
+        return None
+    return (starts + np.arange(2 * sides)[None, None]).reshape(number, sides)
+
+
 def prisms(
     start: Points, end: Points, normals: NDArray[np.float64] | None, section: Points
 ) -> tuple[Points, Indices]:

@@ -61,6 +61,12 @@ class Camera:
             )
         return np.stack([x, y], axis=1), arms[:, 2]
 
+    def pixels(self, points: np.ndarray, height: int) -> np.ndarray:
+        """Size [m] of a pixel at points (n, 3) [m], in a picture of ``height`` pixels; zero behind the
+        camera."""
+        depths = (points - self.eye) @ self.axes()[2]
+        return np.maximum(depths, 0.0) * (2.0 * math.tan(0.5 * self.vertical_fov) / height)
+
     @classmethod
     def looking(
         cls,

@@ -24,6 +24,9 @@ from .overlay import Overlay
 from .pieces import pieces_of
 from .shading import QUALITIES, Style, draw
 
+#: Least radius of rods and fibres [pixels]: thinner ones would be dotted lines, or not be seen at all.
+_THINNEST = 0.6
+
 
 def render(
     source: Any,
@@ -91,6 +94,7 @@ def render(
     colors = Colormap(colormap)
     shades = None if field is None else field_of(source, field, {body.name for body in shown})
     planes = _planes(clip, shown)
+    eye = aimed(camera, target, field_of_view, box, everything, width / height)
     pieces = pieces_of(
         shown,
         [paint[i] for i in kept],
@@ -98,12 +102,13 @@ def render(
         [share[i] for i in kept],
         {} if shades is None else shades.values,
         planes,
+        lambda points: eye.pixels(points, int(height)) * _THINNEST,
     )
     seen = [piece.values for piece in pieces if piece.values is not None]
     range_of_colors = limits_of(seen) if limits is None else _limits(limits)
     style = Style(
         size=(int(width), int(height)),
-        camera=aimed(camera, target, field_of_view, box, everything, width / height),
+        camera=eye,
         bounds=box,
         quality=quality,
         edges=given_flag(edges, "edges"),

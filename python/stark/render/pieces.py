@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ from stark.body_kinds import row_of
 
 from .._core import InvalidArgument
 from ..recording.format import surface
+from ..tubes import rings
 from .caps import cap
 from .clipping import Plane, cut_triangles, section
 
@@ -45,14 +46,18 @@ def pieces_of(
     opacity: Sequence[float],
     values: Mapping[str, np.ndarray],
     planes: Sequence[Plane | None],
+    thinnest: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> list[Piece]:
     """Pieces of all bodies; ``values`` by name, at each vertex of a body. Where there are any, other bodies
-    are neutral. Scenery is not clipped."""
+    are neutral. Scenery is not clipped. ``thinnest`` has the least radius of rods and fibres at points
+    (n, 3) [m]."""
     result = []
     rows = zip(bodies, colors, scenery, opacity, planes, strict=True)
     for body, color, far, share, plane in rows:
         positions, triangles = surface(body)
         require_finite(body.name, positions)
+        if thinnest is not None and not row_of(body).has_triangles:
+            positions = _widened(positions, triangles, thinnest)
         own = values.get(body.name)
         piece = Piece(
             name=str(body.name),
@@ -66,6 +71,24 @@ def pieces_of(
         )
         result += [piece] if plane is None or far else _clipped(piece, body, own, plane)
     return result
+
+
+def _widened(
+    positions: np.ndarray, triangles: np.ndarray, thinnest: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """Tubes of rods and fibres with a radius that can be seen; other surfaces as they are."""
+    sections = rings(len(positions), triangles)
+    if sections is None:
+        return positions
+    corners = positions[sections]
+    middles = corners.mean(axis=1, keepdims=True)
+    radii = np.linalg.norm(corners - middles, axis=2).max(axis=1)
+    factors = np.maximum(1.0, thinnest(middles[:, 0]) / np.maximum(radii, 1e-300))
+    if (factors == 1.0).all():
+        return positions
+    wider = positions.astype(np.float64)
+    wider[sections] = middles + factors[:, None, None] * (corners - middles)
+    return wider
 
 
 def require_finite(name: str, positions: np.ndarray) -> None:

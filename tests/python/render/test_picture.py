@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from fake_simulation import FakeSimulation, record
 
-from stark.render import render
+import stark
+from stark.render import Camera, render
 
 
 def test_render_shows_the_cloth_in_its_colour() -> None:
@@ -52,3 +53,17 @@ def test_still_of_a_recording(tmp_path: Path) -> None:
     early, late = (run.still(t, width=80, height=60, quality="draft") for t in (0.0, 0.2))
     assert early.shape == (60, 80, 3)
     assert not np.array_equal(early, late)
+
+
+@pytest.mark.parametrize("radius", [2e-5, 2e-4])
+def test_hairs_are_lines_without_gaps(radius: float) -> None:
+    """A hundredth or a tenth of a pixel is drawn as a pixel, in every row that the hair crosses."""
+    scene = stark.Scene()
+    hair = stark.RodMaterial(density=1300.0, youngs_modulus=4e9, radius=radius)
+    scene.add_rod(stark.mesh.polyline((0, 0, 0.0), (0.03, 0, 0.3), 10), hair, color=(0, 0, 0))
+    camera = Camera(eye=(0.0, -1.0, 0.15), target=(0.0, 0.0, 0.15), vertical_fov=0.4)
+    picture = render(stark.Simulation(scene), 160, 120, quality="draft", camera=camera, grid=False)
+    ends, _ = camera.project([(0.0, 0.0, 0.0), (0.03, 0.0, 0.3)], (160, 120))
+    rows = picture[int(ends[1, 1]) + 2 : int(ends[0, 1]) - 2].astype(int).sum(axis=2)
+    darker = rows.min(axis=1) < 0.8 * np.median(rows, axis=1)
+    assert len(rows) > 60 and darker.all()

@@ -12,6 +12,7 @@ import stark
 from stark.palette import body_colors
 from stark.render.clipping import Plane
 from stark.render.pieces import NEUTRAL, at_surface, crease_angle, pieces_of
+from stark.tubes import rings
 
 
 @pytest.fixture
@@ -77,6 +78,32 @@ def test_clipped_rigid_bodies_and_rods_are_filled_and_cloth_is_not(sim) -> None:
     rod = [piece for piece in cut if piece.name == "rod"][1]
     assert 0.8 * math.pi * radius**2 < section_area(rod) < math.pi * radius**2  # of a tube with few sides
     assert [piece.name for piece in cut].count("cloth") == 1
+
+
+def test_thin_tubes_are_as_wide_as_can_be_seen(sim) -> None:
+    """Rods and the prisms of fibres get the least radius that is asked for, around the same lines."""
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=4), name="sheet")
+    wire = stark.materials.steel_wire
+    fibres = sheet.add_fibres(wire.replace(radius=1e-4), paths=[range(5, 10), range(15, 20)], bending=False)
+    ribbon = scene.add_rod(np.eye(3), wire.replace(width=4e-3, height=3e-4), name="ribbon")
+
+    def widths(body, least: float) -> np.ndarray:
+        args = [body], [NEUTRAL], [False], [1.0], {}, [None]
+        thin, wide = (pieces_of(*args, thinnest=t)[0] for t in (None, lambda p: np.full(len(p), least)))
+        assert (thin.triangles == wide.triangles).all() and thin.positions.shape == wide.positions.shape
+        sections = rings(len(wide.positions), wide.triangles)
+        corners, before = wide.positions[sections], thin.positions[sections]
+        assert corners.mean(axis=1) == pytest.approx(before.mean(axis=1), abs=1e-13)
+        return np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2)
+
+    assert widths(fibres, 1e-3) == pytest.approx(np.full((16, 8), 1e-3))
+    assert widths(fibres, 5e-5) == pytest.approx(np.full((16, 8), 1e-4))
+    assert widths(ribbon, 4e-3) == pytest.approx(np.full((3, 4), 4e-3))
+    assert widths(ribbon, 2e-3) == pytest.approx(np.full((3, 4), np.hypot(2e-3, 1.5e-4)))
+    assert widths(sim["rod"], 0.01).max() == pytest.approx(0.01)
+    for body in (sim["jelly"], sheet, sim["box"]):
+        assert rings(len(body.surface_positions), body.surface_triangles) is None
 
 
 def test_scenery_is_not_cut(sim) -> None:
