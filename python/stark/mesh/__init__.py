@@ -26,12 +26,12 @@ from stark.mesh.types import EmbeddedMesh, Mesh, Polyline, SolidMesh, TetMesh, T
 
 if TYPE_CHECKING:
     from stark.mesh.cleaning import cleaned, joined
+    from stark.mesh.groups import MeshGroup, load_groups
     from stark.mesh.lattices import lattice
     from stark.mesh.reduction import convex_hull, convex_parts, simplified
     from stark.mesh.report import MeshChange, MeshReport
     from stark.mesh.scans import LatticeFromScan, SolidFromScan, lattice_from_scan, solid_from_scan
     from stark.mesh.tetrahedra import edge_lengths, tetrahedralise
-    from stark.mesh.volume_files import MeshGroup, load_groups
 else:
     from stark.on_demand import attach
 
@@ -40,12 +40,12 @@ else:
         __name__,
         {
             "stark.mesh.cleaning": "cleaned joined",
+            "stark.mesh.groups": "MeshGroup load_groups",
             "stark.mesh.lattices": "lattice",
             "stark.mesh.reduction": "convex_hull convex_parts simplified",
             "stark.mesh.report": "MeshChange MeshReport",
             "stark.mesh.scans": "LatticeFromScan SolidFromScan lattice_from_scan solid_from_scan",
             "stark.mesh.tetrahedra": "edge_lengths tetrahedralise",
-            "stark.mesh.volume_files": "MeshGroup load_groups",
         },
     )
 

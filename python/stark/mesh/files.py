@@ -6,7 +6,7 @@ import io
 import math
 import os
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from stark._core import InvalidMesh
 from stark.arguments import given_flag, given_path
 from stark.files import read_bytes
+from stark.mesh.obj_files import read_obj, vertex_of
 from stark.mesh.polygons import triangulated
-from stark.mesh.repair import merged
+from stark.mesh.repair import merged, whole
 from stark.mesh.types import EmbeddedMesh, Mesh, SolidMesh, TetMesh, TriangleMesh
 
 _LARGEST_ARRAY = 1 << 32  # bytes, after decompression
@@ -50,14 +51,15 @@ def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
     open as written, vertices at exactly the same place become one, unused ones and collapsed triangles go;
     ``merge=False`` keeps them, for slits. Closed surfaces and NPZ stay as they are, and what meshio reads but
     for unused vertices. Of a file with solid cells its surface cells are left out; ``load_groups`` has the
-    names of both."""
+    names of both, and those of parts of an OBJ."""
     file, is_merged = given_path(path, "mesh.load: path"), given_flag(merge, "mesh.load: merge")
     try:
         data = read_bytes(file)
     except OSError as error:
         raise InvalidMesh(f"'{file}': {error.strerror or error}: must be a readable mesh file") from None
     readers: dict[str, Callable[[bytes, Path], Mesh]] = {
-        ".obj": _read_obj, ".ply": _read_ply, ".stl": _read_stl, ".npz": _read_npz
+        ".obj": lambda data, file: read_obj(data, file).surface,
+        ".ply": _read_ply, ".stl": _read_stl, ".npz": _read_npz,
     }  # fmt: skip
     suffix = file.suffix.lower()
     if suffix in readers:
@@ -76,19 +78,8 @@ def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
     if isinstance(mesh, TriangleMesh) and len(mesh.triangles) == 0:
         raise InvalidMesh(f"'{file}' has 0 triangles: must have at least one")
     if is_merged and suffix != ".npz" and isinstance(mesh, TriangleMesh):
-        return _whole(mesh)
+        return whole(mesh)
     return mesh
-
-
-def _whole(surface: TriangleMesh) -> TriangleMesh:
-    """With vertices at the same place as one, where the surface is open and has such."""
-    triangles = surface.triangles
-    if not (0 <= triangles.min() <= triangles.max() < len(surface.vertices)) or surface.is_closed:
-        return surface
-    if len(np.unique(surface.vertices, axis=0)) == len(surface.vertices):
-        return surface
-    whole = merged(surface)
-    return whole if len(whole.triangles) else surface
 
 
 def _damage() -> tuple[type[Exception], ...]:
@@ -97,52 +88,6 @@ def _damage() -> tuple[type[Exception], ...]:
 
     lies = (ValueError, LookupError, TypeError, EOFError, OverflowError, MemoryError, NotImplementedError)
     return (*lies, zipfile.BadZipFile, zlib.error)
-
-
-def _obj_lines(data: bytes) -> Iterator[tuple[int, str]]:
-    """Lines with their numbers; those that end in a backslash go on in the next one."""
-    start, text = 0, ""
-    for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
-        start, text = start or number, text + line
-        if text.endswith("\\"):
-            text = text[:-1] + " "
-            continue
-        yield start, text
-        start, text = 0, ""
-    if text:
-        yield start, text
-
-
-def _obj_polygon(words: list[str], vertex_count: int, number: int, line: str) -> list[int]:
-    """Vertices of a face: v, v/vt, v//vn or v/vt/vn; negative numbers count back from the last vertex."""
-    try:
-        indices = [int(word.partition("/")[0]) for word in words[1:]]
-    except ValueError as error:
-        raise ValueError(f"line {number}: {error}") from None
-    if len(indices) < 3 or 0 in indices:
-        raise InvalidMesh(
-            f"line {number}: a face needs three vertices, numbered from 1, got '{line.strip()}'"
-        )
-    return [i - 1 if i > 0 else vertex_count + i for i in indices]
-
-
-def _read_obj(data: bytes, file: Path) -> TriangleMesh:
-    vertices: list[list[float]] = []
-    corners: list[int] = []
-    counts: list[int] = []
-    lines: list[int] = []  # of the faces
-    for number, line in _obj_lines(data):
-        words = line.split()
-        if words[:1] == ["v"]:
-            vertices.append(_vertex(words, number, line))
-        elif words[:1] == ["f"]:
-            polygon = _obj_polygon(words, len(vertices), number, line)
-            corners.extend(polygon)
-            counts.append(len(polygon))
-            lines.append(number)
-    points = np.array(vertices).reshape(-1, 3)
-    triangles = triangulated(points, counts, corners, lambda k: f"'{file}': line {lines[k]}: face {k}")
-    return TriangleMesh(points, triangles)
 
 
 _PLY_TYPES = {
@@ -267,21 +212,10 @@ def _text_stl(data: bytes) -> NDArray[np.float64]:
     for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
         words = line.split()
         if words[:1] == ["vertex"]:
-            corners.append(_vertex(words, number, line))
+            corners.append(vertex_of(words, number, line))
     if len(corners) % 3:
         raise InvalidMesh(f"{len(corners)} corners do not make whole triangles: the file was cut off")
     return np.array(corners).reshape(-1, 3)
-
-
-def _vertex(words: list[str], number: int, line: str) -> list[float]:
-    """Coordinates of a line of text."""
-    try:
-        vertex = [float(word) for word in words[1:4]]
-    except ValueError as error:
-        raise ValueError(f"line {number}: {error}") from None
-    if len(vertex) < 3:
-        raise InvalidMesh(f"line {number}: a vertex needs three numbers, got '{line.strip()}'")
-    return vertex
 
 
 _EMBEDDED = ("vertices", "elements", "triangles", "cells", "filling")

@@ -31,6 +31,17 @@ def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
     return compact(TriangleMesh(mesh.vertices[first[order]], triangles.astype(np.int32)))
 
 
+def whole(surface: TriangleMesh) -> TriangleMesh:
+    """With vertices at the same place as one, where the surface is open and has such."""
+    triangles = surface.triangles
+    if not (0 <= triangles.min() <= triangles.max() < len(surface.vertices)) or surface.is_closed:
+        return surface
+    if len(np.unique(surface.vertices, axis=0)) == len(surface.vertices):
+        return surface
+    united = merged(surface)
+    return united if len(united.triangles) else surface
+
+
 def oriented(mesh: Any) -> Any:
     """Copy with tetrahedra of positive volume; or with triangles that agree with their neighbours and, where
     they enclose a volume, face outwards."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +13,6 @@ from numpy.typing import NDArray
 
 from stark import _core
 from stark._core import InvalidMesh
-from stark.arguments import given_path
 from stark.mesh.arguments import Indices
 from stark.mesh.repair import oriented
 from stark.mesh.types import SolidMesh, TetMesh, TriangleMesh
@@ -23,15 +21,6 @@ from stark.mesh.types import SolidMesh, TetMesh, TriangleMesh
 _SOLIDS = ("hexahedron27", "hexahedron20", "tetra10", "hexahedron", "tetra")
 #: The corners of the triangles that cells of a surface are cut into.
 _PIECES = {"triangle": ((0, 1, 2),), "quad": ((0, 1, 2), (0, 2, 3))}
-
-
-class MeshGroup(NamedTuple):
-    """A named part of a mesh file: a material, a boundary."""
-
-    vertices: Indices
-    """(n,), those of its cells, numbered as in the mesh that ``load`` makes of the file."""
-    elements: Indices
-    """(m,), which elements of that mesh, triangles of a surface, are in it; of a boundary of a solid none."""
 
 
 class _Cells(NamedTuple):
@@ -44,11 +33,8 @@ class _Cells(NamedTuple):
     """Of each block of the file that is part of it, its first row."""
 
 
-def load_groups(path: str | os.PathLike[str]) -> dict[str, MeshGroup]:
-    """Groups of a file that ``load`` reads by ``meshio``, by name: physical groups of Gmsh, those without a
-    name by their number, and sets of other programs. ``groups["inlet"].vertices`` are for pins, rollers and
-    masks of faces, ``groups["steel"].elements`` for values by element."""
-    file = given_path(path, "mesh.load_groups: path")
+def groups_by_meshio(file: Path) -> dict[str, tuple[Indices, Indices]]:
+    """Vertices and elements of the groups of a file, by name."""
     read = _read(file)
     cells = _cells(read, file)
     number = _numbering(read, cells)
@@ -63,12 +49,12 @@ def load_groups(path: str | os.PathLike[str]) -> dict[str, MeshGroup]:
     for name, points in read.point_sets.items():
         parts.setdefault(name, ([], []))[0].append(number[np.asarray(points, dtype=np.int64)])
     middles = _middles(number[cells.corners]) if cells.kind == "hexahedron20" else None
-    groups = {}
+    groups: dict[str, tuple[Indices, Indices]] = {}
     for name, (of_nodes, of_rows) in parts.items():
         chosen, whole = _together(of_nodes), _together(of_rows)
         if middles is not None:
             chosen = np.concatenate([chosen, middles.within(chosen, whole)])
-        groups[name] = MeshGroup(chosen, whole)
+        groups[name] = (chosen, whole)
     return groups
 
 
