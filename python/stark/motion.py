@@ -11,13 +11,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import given_path, real_array, real_number, refuse_masked
+from stark.mesh import TriangleMesh
+from stark.mesh.usd_files import read_usd, without_unused
 from stark.point_cache import read_point_cache
 from stark.rotations import as_matrix, to_quaternion
 
@@ -92,6 +94,33 @@ def point_cache(path: str | os.PathLike[str], *, fps: float = 24.0, smooth: bool
     if smooth and len(times) > 1:
         return spline(times, found.positions, rest=False)
     return linear(times, found.positions)
+
+
+class AnimatedMesh(NamedTuple):
+    """A surface, and the positions of its vertices over time."""
+
+    mesh: TriangleMesh
+    """As it is in the first frame."""
+    motion: Motion
+    """Of all its vertices, in the world."""
+
+
+def usd_mesh(path: str | os.PathLike[str], prim: str | None = None, *, smooth: bool = False) -> AnimatedMesh:
+    """The meshes of a USD file as one moving surface, or those at and below the prim with this path:
+    ``skin, walk = stark.motion.usd_mesh("walk.usdc", "/World/Character")``. In metres, z up; the first frame
+    is at 0 s. Points, frames and skeletons may move. Of surfaces that are open, vertices that are always at
+    the same place become one. Straight lines between frames, or with ``smooth`` a natural spline. Raises
+    InvalidMesh for files and prims that cannot be read; needs ``usd-core``."""
+    found = without_unused(read_usd(given_path(path, "usd_mesh: path"), _path_of(prim), moving=True))
+    if smooth and len(found.times) > 1:
+        return AnimatedMesh(found.mesh, spline(found.times, found.frames, rest=False))
+    return AnimatedMesh(found.mesh, linear(found.times, found.frames))
+
+
+def _path_of(prim: str | None) -> str | None:
+    if prim is not None and not isinstance(prim, str):
+        raise InvalidArgument(f"usd_mesh: prim = {prim!r}: must be the path of a prim, as '/World/body'")
+    return prim
 
 
 def rotations(times: ArrayLike, values: Any, *, smooth: bool = True, rest: bool = True) -> Motion:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -247,3 +248,27 @@ def test_a_motion_that_starts_elsewhere_warns_before_the_first_step() -> None:
     assert texts[2].startswith("'turned': at 0 s its motion is turned by 0.5 rad from it")
     assert texts[3].startswith("'wire': at 0 s its motion has turned its pins by 0.4 rad")
     assert not sim.step().failed
+
+
+def test_what_was_exported_as_usd_moves_another_scene(tmp_path: Path) -> None:
+    pytest.importorskip("pxr")
+    scene = stark.Scene()
+    flag = scene.add_cloth(stark.mesh.grid(0.2, 0.2, 4), name="flag", pins=[0, 4])
+    scene.add_box(0.1, mass=1.0, position=(1, 0, 0), name="box")
+    sim = stark.Simulation(scene, time_step=0.01)
+    with stark.exports.Exporter(tmp_path / "fall.usdc", sim) as export:
+        export.record(sim)
+        for _ in sim.run(until=0.05):
+            export.record(sim)
+    skin, fall = motion.usd_mesh(tmp_path / "fall.usdc", "/World/flag")
+    stage = stark.Scene()
+    actor = stage.add_cloth(skin, pins=range(len(skin.vertices)))
+    actor.follow(fall)
+    played = stark.Simulation(stage, time_step=0.05)
+    played.step()
+    assert fall.duration == pytest.approx(0.05)
+    assert actor.positions == pytest.approx(flag.positions, abs=1e-7)  # single precision
+    both, smooth = motion.usd_mesh(tmp_path / "fall.usdc", smooth=True)
+    assert len(both.vertices) == len(skin.vertices) + 8 and "spline" in repr(smooth)
+    with pytest.raises(stark.InvalidArgument, match="prim = 3: must be the path"):
+        motion.usd_mesh(tmp_path / "fall.usdc", 3)  # type: ignore[arg-type]

@@ -20,6 +20,7 @@ from stark.mesh.obj_files import read_obj, vertex_of
 from stark.mesh.polygons import triangulated
 from stark.mesh.repair import merged, whole
 from stark.mesh.types import EmbeddedMesh, Mesh, SolidMesh, TetMesh, TriangleMesh
+from stark.mesh.usd_files import SUFFIXES, read_usd
 
 _LARGEST_ARRAY = 1 << 32  # bytes, after decompression
 _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
@@ -42,7 +43,8 @@ _TRIMESH_FORMATS = {
 def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
     """Reads a mesh file. OBJ, PLY and STL surfaces and saved meshes (NPZ) need nothing; MSH and VTK volumes
     are read by ``meshio``, all other formats by ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates
-    are taken as metres: use ``.scaled`` if they are not.
+    are taken as metres: use ``.scaled`` if they are not. USD says what they are, and which way is up: its
+    visible meshes are read by ``usd-core`` as they start, in metres, z up.
 
     Polygons of OBJ, PLY and DAE become triangles that cover them and nothing else; those that no fan of
     triangles covers need ``manifold3d``, of the same extra. Warns of polygons that cross themselves.
@@ -73,6 +75,8 @@ def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
         from stark.mesh.volume_files import load_by_meshio
 
         return load_by_meshio(file)
+    elif suffix in SUFFIXES:
+        mesh = read_usd(file).mesh
     else:
         mesh = _load_by_trimesh(file)
     if isinstance(mesh, TriangleMesh) and len(mesh.triangles) == 0:
@@ -276,7 +280,8 @@ def _load_by_trimesh(file: Path) -> Mesh:
         known = sorted(_TRIMESH_FORMATS & {f".{name}" for name in names})
         raise InvalidMesh(
             f"'{file}': '{file.suffix}' is the suffix of no format of meshes: must be one of .obj, .ply, "
-            f".stl, .npz, {', '.join(known)}, {', '.join(sorted(_VOLUME_FORMATS))}, or another one of meshio"
+            f".stl, .npz, .usd, {', '.join(known)}, {', '.join(sorted(_VOLUME_FORMATS))}, or another one of "
+            f"meshio; convert others, such as Alembic and FBX, to USD or OBJ in a modelling program"
         )
     try:
         loaded: Any = _loaded_by_trimesh(trimesh, file)

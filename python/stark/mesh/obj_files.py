@@ -11,7 +11,6 @@ import numpy as np
 from stark._core import InvalidMesh
 from stark.mesh.arguments import Indices
 from stark.mesh.polygons import triangulated
-from stark.mesh.repair import whole
 from stark.mesh.types import TriangleMesh
 
 #: Statements that name the faces after them: an object, groups, a material.
@@ -54,22 +53,6 @@ def read_obj(data: bytes, file: Path) -> ObjSurface:
         name: np.flatnonzero(np.isin(face, faces)).astype(np.int32) for name, faces in members.items() if name
     }
     return ObjSurface(TriangleMesh(points, triangles), parts)
-
-
-def parts_of_obj(data: bytes, file: Path) -> dict[str, tuple[Indices, Indices]]:
-    """Vertices and triangles of each name, numbered as in the mesh that ``load`` makes of the file."""
-    surface, parts = read_obj(data, file)
-    united = whole(surface)
-    rows = np.arange(len(surface.triangles))
-    if united is not surface:  # triangles that collapsed are gone
-        a, b, c = surface.vertices[surface.triangles].transpose(1, 0, 2)
-        kept = ~((a == b).all(axis=1) | (b == c).all(axis=1) | (c == a).all(axis=1))
-        rows = np.where(kept, np.cumsum(kept) - 1, -1)
-    found = {}
-    for name, faces in parts.items():
-        chosen = rows[faces][rows[faces] >= 0].astype(np.int32)
-        found[name] = (np.unique(united.triangles[chosen]).astype(np.int32), chosen)
-    return found
 
 
 def vertex_of(words: list[str], number: int, line: str) -> list[float]:
