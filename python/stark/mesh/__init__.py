@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from stark.mesh.cleaning import cleaned, joined
     from stark.mesh.groups import MeshGroup, load_groups
     from stark.mesh.lattices import lattice
+    from stark.mesh.patterns import Pattern, load_pattern
     from stark.mesh.reduction import convex_hull, convex_parts, simplified
     from stark.mesh.report import MeshChange, MeshReport
     from stark.mesh.scans import LatticeFromScan, SolidFromScan, lattice_from_scan, solid_from_scan
@@ -42,6 +43,7 @@ else:
             "stark.mesh.cleaning": "cleaned joined",
             "stark.mesh.groups": "MeshGroup load_groups",
             "stark.mesh.lattices": "lattice",
+            "stark.mesh.patterns": "Pattern load_pattern",
             "stark.mesh.reduction": "convex_hull convex_parts simplified",
             "stark.mesh.report": "MeshChange MeshReport",
             "stark.mesh.scans": "LatticeFromScan SolidFromScan lattice_from_scan solid_from_scan",
@@ -57,6 +59,7 @@ __all__ = [
     "MeshChange",
     "MeshGroup",
     "MeshReport",
+    "Pattern",
     "Points",
     "Polyline",
     "SolidFromScan",
@@ -83,6 +86,7 @@ __all__ = [
     "lattice_from_scan",
     "load",
     "load_groups",
+    "load_pattern",
     "merged",
     "oriented",
     "polyline",
