@@ -108,8 +108,8 @@ _PLACES = {
     "stark.symbolic": (
         "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross "
         "determinant diag dot exp fma held identity invariants inverse log mat maximum minimum norm "
-        "normalized outer pow sin sinh skew sqrt square squared_norm tan tanh total trace transpose vec "
-        "where"
+        "normalized outer pow power_trace sin sinh skew sqrt square squared_norm tan tanh total trace "
+        "transpose vec where"
     ),
 }
 

@@ -149,6 +149,7 @@ from stark.symbolic import (
     normalized as normalized,
     outer as outer,
     pow as pow,
+    power_trace as power_trace,
     sin as sin,
     sinh as sinh,
     skew as skew,

@@ -61,6 +61,7 @@ from stark.symbolic.linear_algebra import (
     squared_norm,
     trace,
 )
+from stark.symbolic.power_trace import power_trace
 from stark.symbolic.signature import Mat2, Mat3, Matrix, Real, Vec2, Vec3, Vec4, Vector, symbols
 from stark.symbolic.statistics import Statistics
 from stark.symbolic.tensor import Mat, Vec, columns, diag, identity, mat, transpose, vec
@@ -116,6 +117,7 @@ __all__ = [
     "normalized",
     "outer",
     "pow",
+    "power_trace",
     "sin",
     "sinh",
     "skew",

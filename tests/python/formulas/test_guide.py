@@ -12,7 +12,7 @@ GUIDE = Path(__file__).resolve().parents[3] / "docs/energies.md"
 
 def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
     blocks = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
-    assert len(blocks) == 15
+    assert len(blocks) == 16
     names: dict[str, object] = {}
     for block in blocks:
         shortened = block.replace("until=1.0", "until=0.05")
