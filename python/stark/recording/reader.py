@@ -118,6 +118,13 @@ class Recording:
                 f"sim.reset(): record each episode into a folder of its own"
             )
 
+    def __repr__(self) -> str:
+        until = f", until {self.times[-1]:.6g} s" if len(self.times) else ""
+        return (
+            f"<stark.recording.Recording of {self.scene!r} in {str(self.folder)!r}: {len(self.times)} frames"
+            f"{until}, {self.status}>"
+        )
+
     def _read_manifest(self) -> dict[str, Any]:
         path = self.folder / MANIFEST
         if not self._place.is_dir():

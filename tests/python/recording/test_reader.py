@@ -41,6 +41,12 @@ def test_bodies_keep_name_kind_motion_and_colour(tmp_path: Path) -> None:
     assert run.manifest["units"]["residual"] == "N"
 
 
+def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
+    run = record(tmp_path / "run", 3)
+    assert repr(run).startswith(f"<stark.recording.Recording of {run.scene!r} in '{tmp_path}")
+    assert repr(run).endswith("4 frames, until 0.1 s, complete>")
+
+
 def test_nearest_frame(tmp_path: Path) -> None:
     run = record(tmp_path / "run", 10)
     assert run.nearest(0.1) == 3
