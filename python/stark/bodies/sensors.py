@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.bodies.contact_pressures import VertexShares
 from stark.handle import BodyHandle, SimulationLink, names_of
 from stark.readings import reading
 from stark.rotations import as_matrix, vector
@@ -230,20 +231,18 @@ class ContactSensors(BodyHandle):
 
     def contact_pressure(self, other: BodyHandle | str | None = None) -> Array:
         """Normal contact force over the area that belongs to each vertex (n,) [Pa]: a third of its triangles,
-        or of those that touch where there are any. Flat faces of rigid bodies that have vertices inside them
+        or of those that touch where there are any; of hexahedra and quadratic tetrahedra what their shape
+        functions have of their faces. Flat faces of rigid bodies that have vertices inside them
         show their mean: how a rigid face shares its load is not determined."""
         contacts = self.contacts(other)
         forces = np.linalg.norm(contacts._spread(contacts.normal_forces, len(self.positions)), axis=1)
-        areas = self._triangle_areas()
         patches = self._flat_patches(contacts)
         touching = self._touching(contacts, patches)
-        touched, whole = np.zeros(len(forces)), np.zeros(len(forces))
-        np.add.at(touched, self.triangles[touching].ravel(), np.repeat(areas[touching] / 3.0, 3))
-        np.add.at(whole, self.triangles.ravel(), np.repeat(areas / 3.0, 3))
-        share = np.where(touched > 0.0, touched, whole)
-        pressure = np.divide(forces, share, out=np.zeros_like(forces), where=share > 0.0)
+        shares = VertexShares(self.mesh, self.triangles, self._triangle_areas(), touching)
+        lent, area = shares.lend(forces), shares.areas(len(forces))
+        pressure = shares.fill(np.divide(lent, area, out=np.zeros_like(lent), where=area > 0.0), forces)
         for patch in patches:
-            pressure[patch] = forces[patch].sum() / share[patch].sum()
+            pressure[patch] = forces[patch].sum() / area[patch].sum()
         return pressure
 
     def _touching(self, contacts: Contacts, patches: list[Ints]) -> NDArray[np.bool_]:

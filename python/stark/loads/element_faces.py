@@ -9,24 +9,11 @@ from functools import cache
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stark.formulas import Triangle, Vec3, energy, parameter
-from stark.mesh import EmbeddedMesh, Indices, Mesh, Polyline, SolidMesh
+from stark.mesh import Indices, Mesh, Polyline
+from stark.mesh.face_shapes import Floats, face_nodes, face_quadrature, shape_functions
 from stark.symbolic import Scalar, cross, dot
-
-Floats = NDArray[np.float64]
-
-# By the number of triangles that find_boundary_triangles() cuts a face into: nodes of the face, each at a
-# corner (row, column) of them.
-_CORNERS = {
-    2: ((0, 0), (0, 1), (0, 2), (1, 2)),
-    4: ((0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (0, 2)),
-    8: ((0, 0), (2, 0), (4, 0), (6, 0), (0, 1), (2, 1), (4, 1), (6, 1), (0, 2)),
-}
-# The same nodes of a face that is seen from its other side.
-_TURNED = {4: [0, 3, 2, 1], 6: [0, 2, 1, 5, 4, 3], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
-_TRIANGLES = {8: 2, 10: 4, 27: 8}  # of a face, by the nodes of the element
 
 
 @energy(translation_invariant=False)  # a closed surface is, its triples are not
@@ -53,35 +40,6 @@ def whole_faces(mesh: Mesh | Polyline, triangles: Indices) -> tuple[Indices, Flo
     return nodes[:, triples].reshape(-1, 3), np.tile(shares, len(nodes))
 
 
-def cut_faces(mesh: Mesh | Polyline) -> int | None:
-    """Into how many triangles the surface cuts each face of an element; None where it cuts none."""
-    if not isinstance(mesh, SolidMesh) or isinstance(mesh, EmbeddedMesh):
-        return None
-    return _TRIANGLES.get(mesh.elements.shape[1])
-
-
-def face_nodes(mesh: Mesh | Polyline, triangles: Indices) -> Indices | None:
-    """Nodes (m, 4, 6 or 9) of the faces that the triangles are cut from, in the order of the shape functions
-    and turned as the triangles are. None where whole_faces says None."""
-    cut = cut_faces(mesh)
-    if cut is None or len(triangles) % cut:
-        return None
-    assert isinstance(mesh, SolidMesh)
-    surface = mesh.surface_triangles()
-    numbers = {tuple(row): k for k, row in enumerate(_from_smallest(surface).tolist())}
-    numbers |= {(a, c, b): ~k for (a, b, c), k in numbers.items()}  # turned the other way round
-    found = np.array([numbers.get(tuple(row), len(surface)) for row in _from_smallest(triangles).tolist()])
-    chosen = np.unique(np.where(found < 0, ~found, found))
-    faces = np.unique(chosen // cut)
-    if chosen[-1] == len(surface) or len(chosen) != len(triangles) or len(faces) * cut != len(chosen):
-        return None
-    pieces = surface.reshape(-1, cut, 3)[faces]
-    turned = np.isin(faces * cut, ~found[found < 0])
-    nodes = np.stack([pieces[:, i, j] for i, j in _CORNERS[cut]], axis=1)
-    nodes[turned] = nodes[turned][:, _TURNED[nodes.shape[1]]]
-    return nodes
-
-
 @cache
 def face_triples(count: int) -> tuple[Indices, Floats]:
     """Triples of the nodes of a face of 4, 6 or 9 nodes (n, 3) and their shares (n,): the volume below the
@@ -96,45 +54,3 @@ def face_triples(count: int) -> tuple[Indices, Floats]:
             triples.append(triple)
             shares.append(float(share))
     return np.asarray(triples, dtype=np.int32), np.asarray(shares)
-
-
-def face_quadrature(triangle: bool) -> tuple[Floats, Floats]:
-    """Points (n, 2) and weights (n,) of the unit triangle or square, exact for a biquadratic face."""
-    x, w = np.polynomial.legendre.leggauss(4)
-    x, w = (x + 1.0) / 2.0, w / 2.0
-    u, v = (a.ravel() for a in np.meshgrid(x, x, indexing="ij"))
-    weights = np.outer(w, w).ravel()
-    if triangle:
-        weights, v = weights * (1.0 - u), v * (1.0 - u)
-    return np.stack([u, v], axis=1), weights
-
-
-def shape_functions(count: int, u: float, v: float) -> Floats:
-    """Shape functions of a face and their derivatives by u and v (3, count)."""
-    if count == 6:
-        corner = np.array([[1.0 - u - v, u, v], [-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
-        a, b = corner, corner[:, [1, 2, 0]]
-        at_corners = np.stack([a[0] * (2.0 * a[0] - 1.0), *(a[i] * (4.0 * a[0] - 1.0) for i in (1, 2))])
-        between = np.stack([4.0 * a[0] * b[0], *(4.0 * (a[i] * b[0] + a[0] * b[i]) for i in (1, 2))])
-        return np.concatenate([at_corners, between], axis=1)
-    p, q = (_line(t, 2 if count == 4 else 3) for t in (u, v))
-    order = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2)][:count]
-    return np.stack([[p[0, i] * q[0, j], p[1, i] * q[0, j], p[0, i] * q[1, j]] for i, j in order], axis=1)
-
-
-def _line(t: float, count: int) -> Floats:
-    """Functions of the ends, and the middle, of a line and their derivatives (2, count)."""
-    if count == 2:
-        return np.array([[1.0 - t, t], [-1.0, 1.0]])
-    return np.array(
-        [
-            [(1.0 - t) * (1.0 - 2.0 * t), t * (2.0 * t - 1.0), 4.0 * t * (1.0 - t)],
-            [4.0 * t - 3.0, 4.0 * t - 1.0, 4.0 - 8.0 * t],
-        ]
-    )
-
-
-def _from_smallest(triangles: Indices) -> Indices:
-    """Corners in the same cyclic order, from the smallest on."""
-    first = np.argmin(triangles, axis=1)[:, None]
-    return np.take_along_axis(triangles, (first + np.arange(3)) % 3, axis=1)

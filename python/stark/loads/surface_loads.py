@@ -15,8 +15,8 @@ from stark.bodies import Body
 from stark.body_kinds import has_points, row_of
 from stark.formulas import Point, Triangle, Vec3, energy, parameter
 from stark.handle import BodyHandle
-from stark.loads.element_faces import cut_faces, face_nodes, face_quadrature, shape_functions
 from stark.mesh import Indices
+from stark.mesh.face_shapes import cut_faces, face_nodes, face_quadrature, shape_functions
 from stark.selections import Points, Stencils, stencils, vertex_points
 from stark.symbolic import Scalar, cross, dot
 
