@@ -1,7 +1,10 @@
 // Values of the core that cross the border by themselves, so that functions and members are bound as they
-// are: ids are ints, choices are their names, small vectors and lists of them are NumPy arrays.
+// are: ids are ints, choices are their names, small vectors and lists of them are NumPy arrays. No copies of
+// arrays but one. A wrong shape or type becomes InvalidArgument with the name of the argument (see array());
+// nanobind's own overload errors do not say which argument was meant.
 #pragma once
 
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
@@ -12,23 +15,116 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <array>
+#include <algorithm>
 #include <concepts>
-#include <string>
-#include <utility>
-#include <vector>
+#include <span>
+#include <variant>
 
-#include <stark/base/reading.h>
-#include <stark/base/settings.h>
+#include <stark/base/error.h>
+#include <stark/collision/intersection.h>
 #include <stark/mechanics/declaration_readings.h>
-#include <stark/sim/ids.h>
 #include <stark/sim/report_readings.h>
-#include <stark/sim/scene.h>
+#include <stark/sim/scene_readings.h>
 #include <stark/symbolic/kernel.h>
 
-#include "arrays.h"
+#include "domains.h"
 
 namespace stark::bindings {
+
+/// str(value) of Python.
+inline std::string text(nb::handle value) { return nb::str(value).c_str(); }
+
+/// A value as a message shows it: its repr on one line, cut where it is long.
+inline std::string shown(nb::handle value) {
+  constexpr std::size_t kLongest = 80;
+  std::string all = text(nb::repr(value));
+  std::size_t end = std::min(all.find('\n'), kLongest);
+  if (end >= all.size()) return all;
+  while (end > 0 && (all[end] & 0xC0) == 0x80) --end;  // not within a character of UTF-8
+  return all.substr(0, end) + "...";
+}
+
+/// Converts any array-like object to Array, or throws InvalidArgument naming the argument,
+/// what came and what is needed. Fractions are never truncated to integers, nor wide integers to narrow ones.
+template <typename Array>
+Array array(nb::handle object, const std::string& name, const std::string& expected) {
+  using T = std::remove_const_t<typename Array::Scalar>;
+  const nb::module_ numpy = nb::module_::import_("numpy");
+  std::string got = text(object.type().attr("__name__"));
+  try {
+    nb::object values = numpy.attr("asarray")(object);
+    if (nb::cast<std::size_t>(values.attr("ndim")) == 0)
+      got = shown(object);
+    else
+      got = "an array of shape " + text(values.attr("shape")) + " and type " + text(values.attr("dtype"));
+    const std::string kinds = std::is_integral_v<T> ? "iu" : "iuf";
+    const bool empty = nb::cast<std::size_t>(values.attr("size")) == 0;
+    if (empty || kinds.find(text(values.attr("dtype").attr("kind"))) != std::string::npos) {
+      const char* type = std::is_integral_v<T> ? (sizeof(T) == 4 ? "int32" : "int64") : "float64";
+      nb::object converted = numpy.attr("ascontiguousarray")(values, type);
+      const bool exact =
+          !std::is_integral_v<T> || nb::cast<bool>(numpy.attr("array_equal")(converted, values));
+      Array result;
+      if (exact && nb::try_cast<Array>(converted, result, false) && result.is_valid()) return result;
+    }
+  } catch (const nb::python_error& error) {
+    if (!error.matches(PyExc_Exception)) throw;  // Ctrl-C
+    // Not an array of anything, for instance rows of unequal length: reported below.
+  }
+  throw InvalidArgument(name + ": got " + got + ": must be " + expected);
+}
+
+template <typename T, typename... Types>
+concept OneOf = (std::is_same_v<T, Types> || ...);
+
+/// Lists of numbers, or of rows of them, which are arrays in Python.
+template <typename T>
+constexpr bool is_list = false;
+template <typename Value>
+constexpr bool is_list<std::vector<Value>> = true;
+template <typename T>
+constexpr bool is_fixed_array = false;
+template <typename Value, size_t n>
+constexpr bool is_fixed_array<std::array<Value, n>> = true;
+
+template <typename Value>
+auto number_in() {
+  if constexpr (OneOf<Value, Vec3, Mat3, Wrench, CellFilling>)
+    return std::type_identity<double>();
+  else if constexpr (OneOf<Value, EdgeTriangleIntersection, ContainedGroup>)
+    return std::type_identity<int32_t>();
+  else if constexpr (is_fixed_array<Value>)
+    return number_in<typename Value::value_type>();
+  else
+    return std::type_identity<Value>();
+}
+/// What a plain type is made of: Vec3 of doubles, CellFilling of part, mean and mean square.
+template <typename Value>
+using NumberOf = typename decltype(number_in<Value>())::type;
+template <typename T>
+constexpr bool is_array = false;
+template <typename Value>
+constexpr bool is_array<std::vector<Value>> =
+    std::is_arithmetic_v<NumberOf<Value>> && !std::is_same_v<Value, bool>;
+
+/// NumPy array of a shape that owns values; vectors may be moved into it.
+template <typename Value>
+auto to_numpy(std::vector<Value> values, const std::vector<std::size_t>& shape) {
+  auto* owned = new std::vector<Value>(std::move(values));
+  nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<std::vector<Value>*>(p); });
+  using Number = NumberOf<Value>;
+  return nb::ndarray<nb::numpy, Number>(reinterpret_cast<Number*>(owned->data()), shape.size(), shape.data(),
+                                        owner);
+}
+
+/// Of shape (n,) for numbers, (n, k) for types made of k numbers.
+template <typename Value>
+auto to_numpy(std::vector<Value> values) {
+  constexpr std::size_t columns = sizeof(Value) / sizeof(NumberOf<Value>);
+  const std::size_t count = values.size();
+  if constexpr (columns == 1) return to_numpy(std::move(values), {count});
+  return to_numpy(std::move(values), {count, columns});
+}
 
 /// Number of a part of a scene (sim/ids.h).
 template <typename T>
@@ -36,62 +132,30 @@ concept IsId = std::is_aggregate_v<T> && sizeof(T) == sizeof(int32_t) && require
   { id.index } -> std::same_as<int32_t&>;
 };
 
-/// A list of numbers or small vectors that becomes an array.
-template <typename Value>
-struct ArrayOf {
-  std::vector<Value> values;
-};
-template <typename Value>
-ArrayOf(std::vector<Value>) -> ArrayOf<Value>;
-
-template <typename Result>
-decltype(auto) to_array(Result&& result) {
-  if constexpr (is_array<std::remove_cvref_t<Result>>)
-    return ArrayOf{std::forward<Result>(result)};
+/// What a function gives to Python: its lists as arrays, also those in a tuple.
+template <typename T>
+auto to_array(T result) {
+  if constexpr (is_array<T>)
+    return to_numpy(std::move(result));
+  else if constexpr (requires { std::tuple_size<T>::value; } && !requires { result[0]; })
+    return std::apply([](auto&... parts) { return std::tuple(to_array(std::move(parts))...); }, result);
   else
-    return std::forward<Result>(result);
+    return result;
 }
 
 /// Value of a member of a part that an id names: path_of(&Scene::joint, &JointDescription::name).
 template <typename Part, typename Class, typename Id, typename Owner, typename Value>
 auto path_of(Part (Class::*part)(Id) const, Value Owner::* member) {
-  return [=](const Class& self, Id id) {
-    Value value = (self.*part)(id).*member;
-    return to_array(std::move(value));
-  };
+  return [=](const Class& self, Id id) -> Value { return (self.*part)(id).*member; };
 }
 
-/// How many members a plain struct has that is a tuple of them in Python.
+/// What has readings is a dictionary of them, unless Python has a class for it.
 template <typename T>
-constexpr int kMembers = 0;
-template <>
-inline constexpr int kMembers<SurfaceMotion> = 3;
-template <>
-inline constexpr int kMembers<Wrench> = 2;
-template <>
-inline constexpr int kMembers<JointOutputs::Coordinate> = 2;
-
+concept Record = HasReadings<T> && !OneOf<T, Diagnosis, StepReport>;
 template <typename T>
-auto tuple_of(const T& value) {
-  const auto of = [](auto... members) { return std::tuple(to_array(std::move(members))...); };
-  if constexpr (kMembers<T> == 2) {
-    const auto& [a, b] = value;
-    return of(a, b);
-  } else {
-    const auto& [a, b, c] = value;
-    return of(a, b, c);
-  }
-}
-
-/// Whether Python has a class for it; what else has readings is a dictionary of them.
+concept Pair = OneOf<T, Wrench, TriangleMesh, TetMesh, JointOutputs::Coordinate>;
 template <typename T>
-constexpr bool has_class = false;
-template <>
-inline constexpr bool has_class<Diagnosis> = true;
-template <>
-inline constexpr bool has_class<StepReport> = true;
-template <typename T>
-concept Record = HasReadings<T> && !has_class<T>;
+concept Triple = OneOf<T, SurfaceMotion, ClosestPoints>;
 
 template <HasReadings T>
 nb::dict dict_of_readings(const T& value);
@@ -113,6 +177,24 @@ nb::dict dict_of_readings(const T& value) {
   return dict;
 }
 
+/// What plain structs are in Python: arrays, dictionaries, tuples of their members.
+template <typename T>
+auto form_of(const T& value) {
+  if constexpr (std::is_same_v<T, Vec3>) {
+    return to_numpy(std::vector<double>{value.x, value.y, value.z});
+  } else if constexpr (std::is_same_v<T, Mat3>) {
+    return to_numpy(std::vector<Mat3>{value}, {3, 3});
+  } else if constexpr (Record<T>) {
+    return dict_of_readings(value);
+  } else if constexpr (Pair<T>) {
+    const auto& [a, b] = value;
+    return to_array(std::tuple(a, b));
+  } else {
+    const auto& [a, b, c] = value;
+    return to_array(std::tuple(a, b, c));
+  }
+}
+
 /// All readings of a struct as properties of a class that is one.
 template <typename S, typename Class>
 void def_readings(nb::class_<Class>& c) {
@@ -121,28 +203,21 @@ void def_readings(nb::class_<Class>& c) {
   });
 }
 
+/// The enumerator of a name; throws InvalidArgument about the subject that lists all of them.
+template <typename Choice>
+Choice choice_of(const std::string& value, const std::string& subject) {
+  const auto& names = EnumNames<Choice>::kNames;
+  const std::vector<std::string> known(names.begin(), names.end());
+  std::string list;
+  for (size_t i = 0; i < known.size(); ++i) {
+    if (known[i] == value) return static_cast<Choice>(i);
+    list += (i ? ", '" : "'") + known[i] + "'";
+  }
+  throw InvalidArgument(subject + ": must be one of " + list + nearest_name_hint(value, known));
+}
 template <typename Choice>
 std::string_view name_of(Choice choice) {
   return EnumNames<Choice>::kNames[static_cast<size_t>(choice)];
-}
-template <typename Value>
-auto numpy_of(const ArrayOf<Value>& array) {
-  return to_numpy(array.values);
-}
-inline auto numpy_of_matrix(const Mat3& matrix) { return to_numpy(std::vector<Mat3>{matrix}, {3, 3}); }
-
-inline void add_to(nb::dict&) {}
-template <typename Value, typename... Rest>
-void add_to(nb::dict& dict, const char* key, Value&& value, Rest&&... rest) {
-  dict[key] = std::forward<Value>(value);
-  add_to(dict, std::forward<Rest>(rest)...);
-}
-/// A dictionary of keys and values in turn: dict_of("name", name, "unit", unit).
-template <typename... Entries>
-nb::dict dict_of(Entries&&... entries) {
-  nb::dict dict;
-  add_to(dict, std::forward<Entries>(entries)...);
-  return dict;
 }
 
 /// A list of what the function makes of each entry.
@@ -153,10 +228,29 @@ nb::list list_of(const Range& range, Function function) {
   return list;
 }
 
-nb::object to_python(const FieldValue& value);
 /// Flags, integers, reals (NumPy scalars too), texts and rows of three; anything else becomes its text, which
 /// the descriptor then refuses by name.
-FieldValue to_field_value(nb::handle object);
+inline FieldValue to_field_value(nb::handle object) {
+  if (nb::isinstance<nb::str>(object)) return nb::cast<std::string>(object);
+  if (nb::isinstance<nb::bool_>(object)) return nb::cast<bool>(object);
+  if (PyIndex_Check(object.ptr()) && !nb::hasattr(object, "__len__")) {
+    int64_t integer = 0;
+    if (nb::try_cast<int64_t>(nb::int_(object), integer)) return integer;
+  }
+  try {
+    if (nb::hasattr(object, "__len__")) {
+      if (nb::len(object) == 3) {
+        Vec3 v;
+        for (int i = 0; i < 3; ++i) v[i] = nb::cast<double>(nb::float_(object[i]));
+        return v;
+      }
+    } else if (nb::hasattr(object, "__float__")) {
+      return nb::cast<double>(nb::float_(object));
+    }
+  } catch (const std::exception&) {
+  }
+  return text(object);
+}
 
 }  // namespace stark::bindings
 
@@ -174,7 +268,8 @@ struct type_caster<Id> {
   static handle from_cpp(Id id, rv_policy, cleanup_list*) noexcept { return PyLong_FromLong(id.index); }
 };
 
-/// To Python only, as what the function makes of a value; what comes from there is read by name (given.h).
+/// To Python only, as what the function makes of a value; what comes from there is read by name
+/// (functions.h).
 template <typename T, auto to_python>
 struct OneWayCaster {
   using Made = std::remove_cvref_t<decltype(to_python(std::declval<const T&>()))>;
@@ -185,37 +280,25 @@ struct OneWayCaster {
   }
 };
 
+/// From Python where EnumNames has the noun that messages need.
 template <typename Choice>
   requires requires { stark::EnumNames<Choice>::kNames; }
 struct type_caster<Choice, enable_if_t<std::is_enum_v<Choice>>>
-    : OneWayCaster<Choice, stark::bindings::name_of<Choice>> {};
-template <typename T>
-  requires(stark::bindings::kMembers<T> > 0)
-struct type_caster<T> : OneWayCaster<T, stark::bindings::tuple_of<T>> {};
-template <stark::bindings::Record T>
-struct type_caster<T> : OneWayCaster<T, stark::bindings::dict_of_readings<T>> {};
-template <typename Entry>
-struct type_caster<stark::bindings::ArrayOf<Entry>>
-    : OneWayCaster<stark::bindings::ArrayOf<Entry>, stark::bindings::numpy_of<Entry>> {};
-/// Of shape (3, 3).
-template <>
-struct type_caster<stark::Mat3> : OneWayCaster<stark::Mat3, stark::bindings::numpy_of_matrix> {};
-
-/// From sequences of three numbers, to arrays.
-template <>
-struct type_caster<stark::Vec3> {
-  using Array = make_caster<stark::bindings::Numpy<stark::Vec3>>;
-  NB_TYPE_CASTER(stark::Vec3, const_name("@collections.abc.Sequence[float]@") + Array::Name + const_name("@"))
-  bool from_python(handle object, uint32_t flags, cleanup_list* list) noexcept {
-    make_caster<std::array<double, 3>> numbers;
-    if (!numbers.from_python(object, flags, list)) return false;
-    value = {numbers.value[0], numbers.value[1], numbers.value[2]};
-    return true;
-  }
-  static handle from_cpp(const stark::Vec3& v, rv_policy, cleanup_list*) noexcept {
-    return cast(stark::bindings::to_numpy(std::vector<double>{v.x, v.y, v.z})).release();
+    : OneWayCaster<Choice, stark::bindings::name_of<Choice>> {
+  bool from_python(handle object, uint32_t, cleanup_list*) {
+    if constexpr (requires { stark::EnumNames<Choice>::kNoun; }) {
+      const auto name = cast<std::string>(object);
+      const std::string subject = std::string(stark::EnumNames<Choice>::kNoun) + " '" + name + "'";
+      this->value = stark::bindings::choice_of<Choice>(name, subject);
+      return true;
+    }
+    return false;
   }
 };
+template <typename T>
+  requires stark::bindings::Record<T> || stark::bindings::Pair<T> || stark::bindings::Triple<T> ||
+           stark::bindings::OneOf<T, stark::Vec3, stark::Mat3>
+struct type_caster<T> : OneWayCaster<T, stark::bindings::form_of<T>> {};
 
 template <>
 struct type_caster<stark::FieldValue> {
@@ -225,7 +308,8 @@ struct type_caster<stark::FieldValue> {
     return true;
   }
   static handle from_cpp(const stark::FieldValue& value, rv_policy, cleanup_list*) {
-    return stark::bindings::to_python(value).release();
+    if (const auto* v = std::get_if<stark::Vec3>(&value)) return make_tuple(v->x, v->y, v->z).release();
+    return std::visit([](const auto& v) { return cast(v); }, value).release();
   }
 };
 

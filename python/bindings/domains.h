@@ -14,8 +14,7 @@ void bind_settings(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_solid_mesh(nb::module_& m);
 void bind_state(nb::module_& m);
-void bind_report(nb::module_& m);  ///< of steps, with the diagnosis of those that failed
-void bind_step_progress(nb::module_& m);
+void bind_report(nb::module_& m);      ///< of steps, also of those that failed or are under way
 void bind_simulation(nb::module_& m);  ///< with what it reports of contact
 void bind_io(nb::module_& m);
 void bind_formulas(nb::module_& m);

@@ -4,7 +4,6 @@
 #include <nanobind/stl/string.h>
 
 #include <cstdlib>
-#include <string>
 
 #include <stark/base/error.h>
 

@@ -1,6 +1,7 @@
 // Bindings of what a step reports: numbers of the step, and the diagnosis of one that failed. What they have
 // to tell is listed in sim/report_readings.h.
-#include "casters.h"
+#include "functions.h"
+#include "stepping.h"
 
 namespace stark::bindings {
 
@@ -13,7 +14,9 @@ nb::dict phases_dict(const StepReport& r) {
 }
 
 nb::dict report_dict(const StepReport& r) {
-  const auto components = [](const Vec3& v) { return dict_of("x", v.x, "y", v.y, "z", v.z); };
+  const auto components = [](const Vec3& v) {
+    return std::map<std::string, double>{{"x", v.x}, {"y", v.y}, {"z", v.z}};
+  };
   nb::dict d = dict_of_readings(r);
   if (r.placed.empty()) d.attr("pop")("placed");
   d["projected_iterations"] = r.solve.projected_iterations;
@@ -24,6 +27,10 @@ nb::dict report_dict(const StepReport& r) {
   return d;
 }
 
+std::optional<Diagnosis> diagnosis_of(const StepReport& r) {
+  return r.diagnosis ? std::optional(r.diagnosis) : std::nullopt;
+}
+
 constexpr const char* kAllOfIt = "All of it as dictionaries, lists, numbers and texts.";
 
 }  // namespace
@@ -31,22 +38,26 @@ constexpr const char* kAllOfIt = "All of it as dictionaries, lists, numbers and 
 void bind_report(nb::module_& m) {
   using D = Diagnosis;
   using R = StepReport;
+  using L = LiveProgress;
   nb::class_<D> diagnosis(m, "Diagnosis",
                           "Why a step failed: cause, bodies, vertices and numbers, and what to change.");
   def_readings<D>(diagnosis);
-  diagnosis.def("to_dict", &dict_of_readings<D>, kAllOfIt).def("__repr__", [](const D& d) {
+  def(diagnosis, "to_dict", dict_of_readings<D>, kAllOfIt);
+  def(diagnosis, "__repr__", [](const D& d) {
     return "<stark.Diagnosis " + to_string(d.cause) + ": " + d.finding + "; " + d.remedy + ">";
   });
   nb::class_<R> report(m, "StepReport", "What a time step did, whether it succeeded or not.");
   def_readings<R>(report);
-  report.def_prop_ro("failed", &R::failed, "Whether no step was taken: status is 'failed' or 'interrupted'.")
-      .def_prop_ro(
-          "diagnosis", [](const R& r) { return r.diagnosis ? nb::cast(r.diagnosis) : nb::none(); },
-          nb::sig("def diagnosis(self) -> Diagnosis | None"), "Why the step failed; None when it did not.")
-      .def_prop_ro("phases", phases_dict, "Wall-clock time of the step by phase [s].")
-      .def("brief", &R::brief, "One line.")
-      .def("to_dict", report_dict, kAllOfIt)
-      .def("__repr__", [](const R& r) { return "<stark.StepReport " + r.brief() + ">"; });
+  property(report, "failed", &R::failed, "Whether no step was taken: status is 'failed' or 'interrupted'.");
+  property(report, "diagnosis", diagnosis_of, "Why the step failed; None when it did not.");
+  property(report, "phases", phases_dict, "Wall-clock time of the step by phase [s].");
+  def(report, "brief", &R::brief, "One line.");
+  def(report, "to_dict", report_dict, kAllOfIt);
+  def(report, "__repr__", [](const R& r) { return "<stark.StepReport " + r.brief() + ">"; });
+  nb::class_<L> progress(m, "StepProgress", "How far a time step has come that is under way.");
+  def_readings<StepProgress>(progress);
+  property(progress, "time", &L::time, "Simulated time at its start [s].");
+  property(progress, "seconds", &L::seconds, "Wall-clock time since the step began [s].");
 }
 
 }  // namespace stark::bindings

@@ -1,17 +1,9 @@
-// Solid meshes from NumPy arrays: the number of columns says the type of the elements.
+// Solid meshes from dictionaries of arrays: the number of columns says the type of the elements.
 #pragma once
 
-#include <string>
-
-#include <stark/geometry/solid_mesh.h>
-
-#include "given.h"
+#include "functions.h"
 
 namespace stark::bindings {
-
-/// Part, mean and mean square in a row.
-template <>
-struct NumbersOf<CellFilling> : NumbersOf<Vec3> {};
 
 /// Sets type and elements of the mesh from an (m, 4), (m, 8), (m, 10) or (m, 27) array; throws
 /// InvalidArgument for other shapes.
@@ -29,25 +21,20 @@ inline void read_elements(nb::handle object, const std::string& name, SolidMesh&
                         " nodes an element: must be 4, 8, 10 or 27");
 }
 
-/// What a solid carries along, from the keys "cells" (k,), "triangles" (m, 3) and "filling" (elements, 7).
-inline Embedding embedding_of(nb::handle entries, const std::string& owner) {
-  const Given given(entries, owner);
-  given.require("cells", "triangles", "filling");
-  Embedding embedding;
-  given.read("cells", embedding.elements, "an array of shape (k,)");
-  given.read("triangles", embedding.triangles, "an array of shape (m, 3)");
-  given.read("filling", embedding.fillings, "an array of shape (elements, 7)");
-  return embedding;
-}
-
-/// (vertices, elements)
-inline auto arrays_of_mesh(const SolidMesh& mesh) {
-  const size_t count = mesh.element_count(), nodes = mesh.node_count();
-  return std::pair(to_numpy(mesh.vertices), to_numpy(mesh.elements, {count, nodes}));
+/// From "vertices" (n, 3), "elements", and "embedding" of what the solid carries along: "cells" (k,),
+/// "triangles" (m, 3) and "filling" (elements, 7).
+inline SolidMesh solid_mesh(const Given& given) {
+  SolidMesh mesh;
+  given.read("vertices", mesh.vertices);
+  read_elements(given["elements"], given.owner() + ": elements", mesh);
+  if (const nb::object entries = given.find("embedding")) {
+    const Given embedding(entries, given.owner());
+    embedding.require("cells", "triangles", "filling");
+    embedding.read("cells", mesh.embedding.elements, "an array of shape (k,)");
+    embedding.read("triangles", mesh.embedding.triangles, "an array of shape (m, 3)");
+    embedding.read("filling", mesh.embedding.fillings, "an array of shape (elements, 7)");
+  }
+  return mesh;
 }
 
 }  // namespace stark::bindings
-
-template <>
-struct nanobind::detail::type_caster<stark::SolidMesh>
-    : OneWayCaster<stark::SolidMesh, stark::bindings::arrays_of_mesh> {};

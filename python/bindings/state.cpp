@@ -1,10 +1,8 @@
 // Bindings of states: values that are compared, copied and taken apart into arrays.
-#include <vector>
-
 #include <stark/base/hash.h>
 #include <stark/mechanics/state.h>
 
-#include "casters.h"
+#include "functions.h"
 
 namespace stark::bindings {
 
@@ -53,35 +51,29 @@ State state_of_arrays(const nb::dict& given) {
 }  // namespace
 
 void bind_state(nb::module_& m) {
-  nb::class_<State>(m, "State", "Everything that changes in time, as a value.")
-      .def_prop_ro("time", path<&State::time>, "Simulated time [s].")
-      .def_prop_ro("time_step", path<&State::time_step>,
-                   "Length of the next step, or less for the next mark [s].")
-      .def_prop_ro("step_count", path<&State::step_count>, "Accepted steps so far.")
-      .def_prop_ro(
-          "point_positions", [](const State& s) { return ArrayOf{s.point_position}; },
-          "Positions of the points of cloth and solids (n, 3) [m].")
-      .def_prop_ro(
-          "point_velocities", [](const State& s) { return ArrayOf{s.point_velocity}; },
-          "Their velocities (n, 3) [m/s].")
-      .def_prop_ro(
-          "body_positions", [](const State& s) { return ArrayOf{s.body_position}; },
-          "Centres of mass of rigid bodies, nodes of rods (n, 3) [m].")
-      .def_prop_ro(
-          "hash", [](const State& s) { return to_hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.")
-      .def(
-          "copy", [](const State& s) { return s; }, "A state of its own: the same value.")
-      .def("arrays", &state_arrays,
-           "All fields by name, as arrays of their own; State.fields() describes them.")
-      .def_static(
-          "of_arrays", &state_of_arrays, "arrays"_a,
-          "The state of what arrays() gave. Raises InvalidArgument for fields that are missing, unknown "
-          "or of another type or shape.")
-      .def_static("fields", &state_fields, "Name, unit and meaning of every field, in order.")
-      .def("__eq__", [](const State& a, const State& b) { return first_difference(a, b).empty(); })
-      .def("__hash__", [](const State& s) { return static_cast<Py_hash_t>(s.hash() >> 1); })
-      .def("first_difference", &first_difference,
-           "Name of the first field that differs, '' when all bits are equal.");
+  using S = State;
+  nb::class_<S> state(m, "State", "Everything that changes in time, as a value.");
+  property(state, "time", &S::time, "Simulated time [s].");
+  property(state, "time_step", &S::time_step, "Length of the next step, or less for the next mark [s].");
+  property(state, "step_count", &S::step_count, "Accepted steps so far.");
+  property(state, "point_positions", &S::point_position,
+           "Positions of the points of cloth and solids (n, 3) [m].");
+  property(state, "point_velocities", &S::point_velocity, "Their velocities (n, 3) [m/s].");
+  property(state, "body_positions", &S::body_position,
+           "Centres of mass of rigid bodies, nodes of rods (n, 3) [m].");
+  property(
+      state, "hash", [](const S& s) { return to_hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.");
+  def(state, "copy", [](const S& s) { return s; }, "A state of its own: the same value.");
+  def(state, "arrays", state_arrays,
+      "All fields by name, as arrays of their own; State.fields() describes them.");
+  state.def_static("of_arrays", state_of_arrays, "arrays"_a,
+                   "The state of what arrays() gave. Raises InvalidArgument for fields that are missing, "
+                   "unknown or of another type or shape.");
+  state.def_static("fields", state_fields, "Name, unit and meaning of every field, in order.");
+  def(state, "first_difference", first_difference, {"other"},
+      "Name of the first field that differs, '' when all bits are equal.");
+  def(state, "__eq__", [](const S& a, const S& b) { return first_difference(a, b).empty(); }, {"other"});
+  def(state, "__hash__", [](const S& s) { return static_cast<Py_hash_t>(s.hash() >> 1); });
 }
 
 }  // namespace stark::bindings

@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <exception>
+#include <map>
 
 #include <stark/sim/simulation.h>
 
@@ -16,23 +17,49 @@
 
 namespace stark::bindings {
 
-template <>
-inline constexpr int kMembers<ClosestPoints> = 3;
+/// Simulations inside a step, and the threads that step them. The GIL guards it.
+inline std::map<const Simulation*, unsigned long>& under_way() {
+  static std::map<const Simulation*, unsigned long> steps;
+  return steps;
+}
 
-/// Throws Error while a step of the simulation is under way; names its thread. Call it with the GIL.
-void require_at_rest(const Simulation& simulation);
+/// The simulation is inside a step of the thread `ident`.
+[[noreturn]] inline void refuse(unsigned long ident) {
+  if (ident == PyThread_get_thread_ident())
+    throw Error(
+        "the simulation is inside step(), which has called this function (a progress callback or a signal "
+        "handler): leave it alone until the step is over; what is known of the step is in the callback's "
+        "argument");
+  for (const nb::handle thread : nb::module_::import_("threading").attr("enumerate")())
+    if (nb::cast<unsigned long>(thread.attr("ident")) == ident)
+      throw Error(
+          "the simulation is inside step() of the thread '" + text(thread.attr("name")) +
+          "': wait until it returns, or share a lock (with threading.Lock()); simulations of their own "
+          "can be stepped by several threads at once");
+  throw Error(
+      "the simulation is inside step() of a thread that this process does not have, as it was forked "
+      "meanwhile: make another simulation here, or fork between steps");
+}
 
-struct ProgressCallback {
-  nb::object function = nb::none();
-  double period = 0.0;  ///< from one call to the next, and to the first [s]
+/// What a callback is told.
+struct LiveProgress : StepProgress {
+  double time;     ///< at the start of the step [s]
+  double seconds;  ///< of wall-clock time since the step began
 };
 
 /// While it lives, steps of the simulation are under way, and watched. What a signal handler or the callback
 /// raises ends the step, and is to be raised again when it is over. Made and destroyed with the GIL.
 class Watch {
  public:
-  Watch(Simulation& sim, const ProgressCallback& callback);
-  ~Watch();
+  Watch(Simulation& sim, nb::object progress, double period)
+      : sim_(sim), progress_(std::move(progress)), period_(period) {
+    under_way().emplace(&sim, PyThread_get_thread_ident());
+    sim_.set_interrupt([this] { return is_interrupted(); });
+  }
+  ~Watch() {
+    sim_.set_interrupt({});
+    under_way().erase(&sim_);
+  }
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
@@ -41,12 +68,35 @@ class Watch {
   }
 
  private:
-  double seconds() const;  ///< since the beginning [s]
-  bool is_interrupted();
-  void look(bool reports);
+  /// Between two looks at signals [s]: to wait for the GIL takes time.
+  static constexpr double kSignalPeriod = 0.02;
+
+  /// Since the beginning [s].
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+  bool is_interrupted() {
+    if (must_end()) return true;
+    const double now = seconds();
+    const bool reports = !progress_.is_none() && now - reported_ >= period_;
+    if (!raised_ && (reports || now - looked_ >= kSignalPeriod)) look(reports);
+    return raised_ != nullptr;
+  }
+  void look(bool reports) {
+    const nb::gil_scoped_acquire gil;
+    try {
+      if (PyErr_CheckSignals() != 0) throw nb::python_error();
+      if (reports) progress_(LiveProgress{{sim_.progress()}, sim_.time(), seconds()});
+    } catch (...) {
+      raised_ = std::current_exception();
+    }
+    looked_ = seconds();
+    if (reports) reported_ = looked_;
+  }
 
   Simulation& sim_;
-  const ProgressCallback& callback_;
+  const nb::object progress_;  ///< the callback, or None
+  const double period_;        ///< from one call of it to the next, and to the first [s]
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   double looked_ = 0.0, reported_ = 0.0;  ///< when it did so last [s]
   std::exception_ptr raised_;
@@ -54,8 +104,8 @@ class Watch {
 
 /// Calls steps() without the GIL; nothing else may use the simulation meanwhile.
 template <typename Steps>
-auto watched(Simulation& sim, const ProgressCallback& callback, const Steps& steps) {
-  const Watch watch(sim, callback);
+auto watched(Simulation& sim, const Steps& steps, nb::object progress = nb::none(), double period = 0.0) {
+  const Watch watch(sim, std::move(progress), period);
   const auto result = without_gil(steps);
   watch.raise_again();
   leave_at_end();
@@ -66,6 +116,7 @@ auto watched(Simulation& sim, const ProgressCallback& callback, const Steps& ste
 
 namespace nanobind::detail {
 
+/// Refuses, by Error, a simulation of which a step is under way. Called with the GIL.
 template <>
 struct type_caster<stark::Simulation> : type_caster_base<stark::Simulation> {
   using Base = type_caster_base<stark::Simulation>;
@@ -76,7 +127,8 @@ struct type_caster<stark::Simulation> : type_caster_base<stark::Simulation> {
  private:
   stark::Simulation& checked() {
     auto& simulation = Base::operator stark::Simulation&();
-    stark::bindings::require_at_rest(simulation);
+    const auto step = stark::bindings::under_way().find(&simulation);
+    if (step != stark::bindings::under_way().end()) stark::bindings::refuse(step->second);
     return simulation;
   }
 };

@@ -3,19 +3,18 @@
 // raises TraceError.
 #include "symbolic.h"
 
-#include <stark/base/error.h>
-#include <stark/symbolic/evaluate.h>
+#include <stark/symbolic/array_function.h>
 #include <stark/symbolic/named_functions.h>
 
-#include "arrays.h"
+#include "without_gil.h"
 
 namespace stark::bindings {
 
+using symbolic::ArrayFunction;
 using symbolic::BinaryOperator;
 using symbolic::Graph;
-using symbolic::InputKind;
+using symbolic::Order;
 using symbolic::Scalar;
-using symbolic::UnaryOperation;
 
 std::optional<TracedScalar> to_traced(nb::handle object) {
   TracedScalar* traced = nullptr;
@@ -48,8 +47,6 @@ std::vector<TracedScalar> require_traced_list(nb::handle sequence, const std::st
 
 namespace {
 
-// Operators.
-
 /// bool becomes a condition where one is meant.
 std::optional<TracedScalar> to_condition(nb::handle object) {
   if (PyBool_Check(object.ptr()) || (nb::hasattr(object, "dtype") && text(object.attr("dtype")) == "bool"))
@@ -59,20 +56,21 @@ std::optional<TracedScalar> to_condition(nb::handle object) {
 
 /// The operator of Python, with the scalar on the left or on the right; other types get their turn by
 /// NotImplemented.
-nb::object operate(const BinaryOperator& op, const TracedScalar& self, nb::handle other, bool on_the_right) {
+nb::object operate(const BinaryOperator& op, const TracedScalar& self, nb::handle other,
+                   bool on_the_right = false) {
   const auto operand = op.of_conditions ? to_condition(other) : to_traced(other);
   if (!operand) return nb::borrow(Py_NotImplemented);
   return nb::cast(apply(op.function, on_the_right ? *operand : self, on_the_right ? self : *operand,
                         op.of_conditions, op.symbol));
 }
 
-nb::object python_power(const TracedScalar& a, nb::handle exponent) {
-  if (PyLong_Check(exponent.ptr())) {
-    const long long n = PyLong_AsLongLong(exponent.ptr());
-    if (n == -1 && PyErr_Occurred()) throw nb::python_error();
-    return nb::cast(symbolic::power(a, n));
-  }
-  return operate(symbolic::kPower, a, exponent, false);
+/// Products for integer exponents, else the real power of a base >= 0.
+nb::object pow(nb::handle base, nb::handle exponent) {
+  const TracedScalar a = require_traced(base, "pow");
+  if (!PyLong_Check(exponent.ptr())) return operate(symbolic::kPower, a, exponent);
+  const long long n = PyLong_AsLongLong(exponent.ptr());
+  if (n == -1 && PyErr_Occurred()) throw nb::python_error();
+  return nb::cast(symbolic::power(a, n));
 }
 
 /// An operator that formulas do not have.
@@ -81,112 +79,81 @@ void refused(const TracedScalar& x, nb::handle) {
   refuse(x);
 }
 
-// Functions.
-
+/// a where the condition holds, else b. The other branch never contributes, not even as NaN.
 TracedScalar where(nb::handle condition, nb::handle a, nb::handle b) {
   auto c = to_condition(condition);
   if (!c) c = require_traced(condition, "where: the condition");
   return symbolic::where(*c, require_traced(a, "where"), require_traced(b, "where"));
 }
 
-// Graphs.
+bool is_same(const TracedScalar& a, const TracedScalar& b) { return symbolic::is_same(a.value, b.value); }
 
-InputKind input_kind(const std::string& kind) {
-  if (kind == "unknown") return InputKind::Unknown;
-  if (kind == "element") return InputKind::Element;
-  if (kind == "uniform") return InputKind::Uniform;
-  throw InvalidArgument("input kind '" + kind + "': must be 'unknown', 'element' or 'uniform'" +
-                        nearest_name_hint(kind, {"unknown", "element", "uniform"}));
-}
+/// The scalar that stands for a number; scalars are returned as they are.
+TracedScalar constant(nb::handle x) { return require_traced(x, "constant"); }
 
-TracedScalar new_input(const std::shared_ptr<Graph>& graph, const std::string& kind,
+TracedScalar new_input(const std::shared_ptr<Graph>& graph, symbolic::InputKind kind,
                        const std::string& name) {
-  const TracedScalar input{graph, graph->input(input_kind(kind))};
+  const TracedScalar input{graph, graph->input(kind)};
   if (!name.empty()) graph->set_name(input.value, name);
   return input;
 }
 
+void mark_stage(Graph& graph, const TracedScalar& value) { graph.mark_stage(value.value); }
+
+void set_name(Graph& graph, const TracedScalar& value, const std::string& name) {
+  graph.set_name(value.value, name);
+}
+
 void bind_graph(nb::module_& m) {
-  nb::class_<Graph>(m, "Graph", "Expression graph: equal expressions are one node. Not for two threads.")
-      .def(nb::init<>())
-      .def("input", new_input, "kind"_a = "unknown", "name"_a = "",
-           "New input. kind: 'unknown' (differentiated), 'element' (one value per element) or 'uniform'.")
-      .def(
-          "input_count",
-          [](const Graph& g, const std::string& kind) { return g.input_count(input_kind(kind)); }, "kind"_a,
-          "Number of inputs of a kind.")
-      .def(
-          "mark_stage", [](Graph& g, const TracedScalar& value) { g.mark_stage(value.value); }, "value"_a,
-          "Hint for differentiation: derivatives may go through this value. Never changes results.")
-      .def(
-          "set_name",
-          [](Graph& g, const TracedScalar& value, const std::string& name) { g.set_name(value.value, name); },
-          "value"_a, "name"_a, "Names a value for printing.")
-      .def_prop_ro(
-          "stages", [](const Graph& g) { return std::vector<symbolic::NodeId>(g.stages()); },
-          "Numbers of the nodes that were marked so.")
-      .def("__len__", &Graph::size);
-  m.def("jacobian", with_arrays<symbolic::jacobian, "jacobian: outputs", "jacobian: wrt">, "outputs"_a,
-        "wrt"_a, "Rows of derivatives of the outputs with respect to symbols.");
-  m.def("hessian", with_arrays<symbolic::hessian, "hessian: the output", "hessian: wrt">, "output"_a, "wrt"_a,
-        "Rows of second derivatives of an output with respect to symbols.");
+  nb::class_<Graph> c(m, "Graph", "Expression graph: equal expressions are one node. Not for two threads.");
+  c.def(nb::init<>());
+  def(c, "input", new_input, {{"kind", "unknown"}, {"name", ""}},
+      "New input. kind: 'unknown' (differentiated), 'element' (one value per element) or 'uniform'.");
+  c.def("mark_stage", mark_stage, "value"_a,
+        "Hint for differentiation: derivatives may go through this value. Never changes results.");
+  c.def("set_name", set_name, "value"_a, "name"_a, "Names a value for printing.");
+  c.def_prop_ro("stages", [](const Graph& g) { return std::vector<symbolic::NodeId>(g.stages()); });
+  def(c, "__len__", &Graph::size);
+  m.def("jacobian", bound<2>(symbolic::jacobian, {"jacobian: outputs", "jacobian: wrt"}), "outputs"_a,
+        "wrt"_a);
+  m.def("hessian", bound<2>(symbolic::hessian, {"hessian: the output", "hessian: wrt"}), "output"_a, "wrt"_a);
   m.def("substitute",
-        with_arrays<symbolic::substitute, "substitute: outputs", "substitute: inputs", "substitute: values">,
-        "outputs"_a, "inputs"_a, "values"_a,
-        "Expressions of another graph, with these values in place of its inputs.");
+        bound<3>(symbolic::substitute, {"substitute: outputs", "substitute: inputs", "substitute: values"}),
+        "outputs"_a, "inputs"_a, "values"_a);
 }
 
 void bind_nodes(nb::class_<TracedScalar>& c) {
-  c.def_prop_ro("graph", path<&TracedScalar::graph>, "Graph, or None for a number.")
-      .def_prop_ro("id", path<&TracedScalar::value, &Scalar::id>, "Number of the node in its graph.")
-      .def_prop_ro("name", nb::overload_cast<const TracedScalar&>(&symbolic::name_of),
-                   "Name of an input, else ''.")
-      .def_prop_ro("operation", symbolic::operation_of,
-                   "'constant', 'input', or the operation: '+', 'sqrt', ...")
-      .def_prop_ro("operands", symbolic::operands_of, "Scalars that the operation is applied to.")
-      .def_prop_ro("is_constant", path<&TracedScalar::value, &Scalar::is_constant>, "Known number?")
-      .def_prop_ro("is_condition", path<&TracedScalar::value, &Scalar::is_condition>,
-                   "Made by a comparison?");
+  property(c, "graph", &TracedScalar::graph, "Graph, or None for a number.");
+  property(c, "id", path<&TracedScalar::value, &Scalar::id>, "Number of the node in its graph.");
+  property(c, "name", nb::overload_cast<const TracedScalar&>(&symbolic::name_of), "Of an input, else ''.");
+  property(c, "operation", symbolic::operation_of, "'constant', 'input', or the operation: '+', 'sqrt', ...");
+  property(c, "operands", symbolic::operands_of, "Scalars that the operation is applied to.");
+  property(c, "is_constant", path<&TracedScalar::value, &Scalar::is_constant>, "Known number?");
+  property(c, "is_condition", path<&TracedScalar::value, &Scalar::is_condition>, "Made by a comparison?");
 }
 
 void bind_operators(nb::class_<TracedScalar>& c) {
-  const auto on = [&c](const char* name, const BinaryOperator& op, bool on_the_right = false) {
+  const auto on = [&c](const std::string& name, const BinaryOperator& op, bool on_the_right) {
     const auto call = [&op, on_the_right](const TracedScalar& self, nb::handle other) {
       return operate(op, self, other, on_the_right);
     };
-    c.def(name, call, nb::is_operator());
+    c.def(("__" + name + "__").c_str(), call, nb::is_operator());
   };
-  const auto both = [&on](const char* left, const char* right, const BinaryOperator& op) {
-    on(left, op);
-    on(right, op, true);
-  };
-  both("__add__", "__radd__", symbolic::kAdd);
-  both("__sub__", "__rsub__", symbolic::kSubtract);
-  both("__mul__", "__rmul__", symbolic::kMultiply);
-  both("__truediv__", "__rtruediv__", symbolic::kDivide);
-  both("__and__", "__rand__", symbolic::kAnd);
-  both("__or__", "__ror__", symbolic::kOr);
-  both("__xor__", "__rxor__", symbolic::kXor);
-  on("__lt__", symbolic::kLess);
-  on("__le__", symbolic::kLessEqual);
-  on("__gt__", symbolic::kGreater);
-  on("__ge__", symbolic::kGreaterEqual);
-  c.def("__pow__", python_power, nb::is_operator());
-  on("__rpow__", symbolic::kPower, true);
-  c.def("__invert__", [](const TracedScalar& a) {
-    require_kind(a, true, "~");
-    return TracedScalar{a.graph, !a.value};
-  });
-  c.def("__neg__", [](const TracedScalar& a) {
-    return apply(static_cast<UnaryOperation>(symbolic::operator-), a, "-");
-  });
+  for (const BinaryOperator& op : symbolic::kBinaryOperators) {
+    on(op.name, op, false);
+    if (!op.is_comparison) on(std::string("r") + op.name, op, true);
+  }
+  c.def("__pow__", pow, nb::is_operator());
+  on("rpow", symbolic::kPower, true);
+  c.def("__invert__", symbolic::inverted);
+  c.def("__neg__", symbolic::negative);
   c.def("__pos__", [](const TracedScalar& a) { return a; });
   c.def("__abs__", [](const TracedScalar& a) { return apply(symbolic::abs, a, "abs"); });
-  c.def("__eq__", refused<symbolic::refuse_equality>, "other"_a.none());
-  c.def("__ne__", refused<symbolic::refuse_equality>, "other"_a.none());
-  c.def("__hash__", [](nb::handle self) { return reinterpret_cast<Py_ssize_t>(self.ptr()) >> 4; });
+  for (const char* name : {"__eq__", "__ne__"})
+    c.def(name, refused<symbolic::refuse_equality>, "other"_a.none());
   for (const char* name : {"__mod__", "__rmod__", "__floordiv__", "__rfloordiv__"})
     c.def(name, refused<symbolic::refuse_rounding>);
+  c.def("__hash__", [](nb::handle self) { return reinterpret_cast<Py_ssize_t>(self.ptr()) >> 4; });
   c.def("__bool__", symbolic::constant_truth);
   c.def("__float__", [](const TracedScalar& x) { return constant_value(x, "float()"); });
   c.def("__int__", [](const TracedScalar& x) { return static_cast<long long>(constant_value(x, "int()")); });
@@ -205,23 +172,81 @@ void bind_functions(nb::module_& m) {
     };
     m.def(f.name, call, nb::arg(f.first), nb::arg(f.second), f.doc);
   }
-  m.def(
-      "pow", [](nb::handle a, nb::handle b) { return python_power(require_traced(a, "pow"), b); }, "base"_a,
-      "exponent"_a, "Power: products for integer exponents, else the real power of a base >= 0.");
-  m.def("where", where, "condition"_a, "a"_a, "b"_a,
-        "a where the condition holds, else b. The other branch never contributes, not even as NaN.");
-  m.def("fma", with_arrays<symbolic::fused_multiply_add, "fma", "fma", "fma">, "a"_a, "b"_a, "c"_a,
-        "a b + c with one rounding.");
-  m.def(
-      "is_same",
-      [](const TracedScalar& a, const TracedScalar& b) { return symbolic::is_same(a.value, b.value); }, "a"_a,
-      "b"_a, "Whether two scalars are the same expression.");
-  m.def(
-      "constant", [](nb::handle x) { return require_traced(x, "constant"); }, "x"_a,
-      "The scalar that stands for a number; scalars are returned as they are.");
-  m.def(
-      "is_scalar_like", [](nb::handle x) { return to_traced(x).has_value(); }, "x"_a.none(),
-      "Whether the value is a scalar or a number.");
+  def<pow>(m, {"base", "exponent"});
+  def<where>(m, {"condition", "a", "b"});
+  m.def("fma", bound<3>(symbolic::fused_multiply_add, {"fma", "fma", "fma"}), "a"_a, "b"_a, "c"_a);
+  m.def("is_same", is_same, "a"_a, "b"_a, "Whether two scalars are the same expression.");
+  def<constant>(m, {"x"});
+  const auto is_scalar_like = [](nb::handle x) { return to_traced(x).has_value(); };
+  m.def("is_scalar_like", is_scalar_like, "x"_a.none(), "Whether the value is a scalar or a number.");
+}
+
+// Compiled functions of arrays: NumPy arrays of any strides in, new arrays out, without the lock of the
+// interpreter while code is built for an order or runs.
+
+using AnyArray = nb::ndarray<const double, nb::device::cpu>;
+using Shape = std::vector<int64_t>;
+/// Name, scalars, whether it is differentiated.
+using Input = std::tuple<std::string, nb::object, bool>;
+
+ArrayFunction compile_arrays(nb::handle outputs, const std::vector<Input>& arguments,
+                             symbolic::Backend backend) {
+  std::vector<Scalar> values;
+  for (const TracedScalar& y : require_traced_list(outputs, "outputs")) values.push_back(y.value);
+  std::vector<symbolic::ArrayArgument> inputs;
+  for (const auto& [name, scalars, differentiated] : arguments) {
+    symbolic::ArrayArgument& argument = inputs.emplace_back();
+    argument.name = name;
+    argument.differentiated = differentiated;
+    for (const TracedScalar& x : require_traced_list(scalars, name)) argument.inputs.push_back(x.value);
+  }
+  return ArrayFunction(values, inputs, backend);
+}
+
+/// New array of zeros of the given shape, and where its numbers are. NumPy gets the memory from the system
+/// already cleared, and in large pages.
+std::pair<nb::object, double*> zeros(const Shape& batch, const Shape& own) {
+  nb::list shape;
+  for (const int64_t d : batch) shape.append(d);
+  for (const int64_t d : own) shape.append(d);
+  nb::object array = nb::module_::import_("numpy").attr("zeros")(shape);
+  return {array, nb::cast<nb::ndarray<double, nb::c_contig, nb::device::cpu>>(array).data()};
+}
+
+/// Arrays of values, first and second derivatives, None where not asked for. Every array is float64 with its
+/// own shape last; `own_shapes` and `batch` are what the caller has checked them against.
+nb::tuple evaluate(const ArrayFunction& f, Order order, bool with_values, bool with_first,
+                   const std::vector<AnyArray>& arrays, const std::vector<Shape>& own_shapes,
+                   const Shape& batch) {
+  std::vector<symbolic::StridedArray> arguments;
+  for (size_t a = 0; a < arrays.size(); ++a) {
+    const AnyArray& array = arrays[a];
+    const std::span shape(array.shape_ptr(), array.ndim()), strides(array.stride_ptr(), array.ndim());
+    arguments.push_back(
+        symbolic::broadcast(array.data(), shape, strides, own_shapes[a].size(), batch.size()));
+  }
+  const int64_t m = f.output_count(), n = f.variable_count();
+  nb::object values = nb::none(), first = nb::none(), second = nb::none();
+  symbolic::ArrayResults results;
+  if (with_values) std::tie(values, results.values) = zeros(batch, {m});
+  if (with_first) std::tie(first, results.first) = zeros(batch, {m, n});
+  if (order == Order::Hessian) std::tie(second, results.second) = zeros(batch, {n, n});
+  without_gil([&] { f.evaluate(order, arguments, batch, results); });
+  return nb::make_tuple(values, first, second);
+}
+
+void bind_array_functions(nb::module_& m) {
+  using F = ArrayFunction;
+  nb::class_<F> c(m, "ArrayFunction", "Compiled values and derivatives of expressions over batches.");
+  property<&F::backend>(c);
+  def(c, "uses", &F::uses, {"argument"}, "Whether the outputs depend on an argument.");
+  c.def("evaluate", evaluate, "order"_a, "with_values"_a, "with_first"_a, "arrays"_a, "own_shapes"_a,
+        "batch"_a, "(values, first derivatives, second derivatives), None where not asked for.");
+  def(c, "statistics", &F::statistics, {"order"}, "Counts of one order; builds its code if needed.");
+  m.def("compile_arrays", compile_arrays, "outputs"_a, "arguments"_a, "backend"_a = "automatic",
+        "Compiles outputs as a function of arguments, which are (name, scalars, differentiated).");
+  def(m, "best_backend", symbolic::best_backend,
+      "Name of the back end that 'automatic' stands for on this machine.");
 }
 
 }  // namespace

@@ -2,14 +2,9 @@
 // derivatives and back ends.
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <stark/symbolic/kernel.h>
 #include <stark/symbolic/traced_scalar.h>
 
-#include "with_arrays.h"
+#include "functions.h"
 
 namespace stark::bindings {
 
@@ -23,7 +18,7 @@ TracedScalar require_traced(nb::handle object, const std::string& name);
 /// The items of a sequence; throws TraceError naming the place of one that is not a scalar.
 std::vector<TracedScalar> require_traced_list(nb::handle sequence, const std::string& name);
 
-/// Functions of traced scalars are bound by with_arrays<function, "name for messages", ...>.
+/// Functions of traced scalars name them as arrays, for messages.
 template <>
 inline constexpr bool comes_as_array<TracedScalar> = true;
 template <>
@@ -36,13 +31,6 @@ template <>
 inline std::vector<TracedScalar> from_array(nb::handle sequence, const std::string& name) {
   return require_traced_list(sequence, name);
 }
-
-inline symbolic::Backend backend_of(const std::string& name) {
-  return choice_of<symbolic::Backend>(name, "backend '" + name + "'");
-}
-
-/// Compiled functions of arrays (symbolic_functions.cpp).
-void bind_array_functions(nb::module_& m);
 
 }  // namespace stark::bindings
 

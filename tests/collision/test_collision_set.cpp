@@ -1,10 +1,16 @@
-// Queries of a set of primitives: two triangles above each other.
+// Queries of a set of primitives: two triangles above each other, a ball over a cloth.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <random>
+#include <set>
 #include <vector>
 
 #include <stark/base/error.h>
 #include <stark/collision/collision_set.h>
+#include <stark/geometry/distance.h>
+#include <stark/geometry/shapes.h>
+#include <stark/geometry/topology.h>
 
 using namespace stark;
 
@@ -20,7 +26,60 @@ std::vector<Vec3> positions(double height) {
   return {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.1, 0.1, height}, {1.1, 0.1, height}, {0.1, 1.1, height}};
 }
 
+using Pairs = std::set<std::pair<int32_t, int32_t>>;
+
+Pairs sorted_and_unique(const std::vector<PrimitivePair>& pairs) {
+  CHECK(std::is_sorted(pairs.begin(), pairs.end()));
+  Pairs set;
+  for (const PrimitivePair& pair : pairs) set.emplace(pair.first, pair.second);
+  CHECK(set.size() == pairs.size());
+  return set;
+}
+
 }  // namespace
+
+TEST_CASE("candidates hold every pair of features in reach, and sort them") {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> noise(-0.01, 0.01);
+  for (int round = 0; round < 3; ++round) {
+    TriangleMesh both = make_grid(1.0, 1.0, 9, 9);
+    const TriangleMesh ball = make_icosphere(0.3, 2);
+    const auto count = static_cast<int32_t>(both.vertices.size());
+    for (const Vec3& v : ball.vertices) both.vertices.push_back(v + Vec3{0.0, 0.0, 0.32});
+    for (const Index3& t : ball.triangles)
+      both.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+    std::vector<int32_t> groups(both.vertices.size(), 0);
+    std::fill(groups.begin() + count, groups.end(), 1);
+    for (Vec3& v : both.vertices) v += {noise(random), noise(random), noise(random)};
+    const auto& [x, triangles] = both;
+    const std::vector<Index2> edges = find_edges(triangles);
+    constexpr double kReach = 0.1;
+    const std::vector<double> inflation(2, 0.5 * kReach);
+    CollisionSet set(groups, edges, triangles);
+    const CandidateList found = set.find(x, x, inflation);
+    const Pairs point_triangle = sorted_and_unique(found[PairKind::PointTriangle]);
+    const Pairs edge_edge = sorted_and_unique(found[PairKind::EdgeEdge]);
+    int near = 0, missing = 0;
+    for (int32_t p = 0; p < static_cast<int32_t>(x.size()); ++p)
+      for (int32_t t = 0; t < static_cast<int32_t>(triangles.size()); ++t) {
+        const auto [a, b, c] = triangles[t];
+        if (p == a || p == b || p == c) continue;
+        if (point_triangle_squared_distance(x[p], x[a], x[b], x[c]) > kReach * kReach) continue;
+        missing += !point_triangle.contains({p, t});
+      }
+    for (int32_t e = 0; e < static_cast<int32_t>(edges.size()); ++e)
+      for (int32_t f = e + 1; f < static_cast<int32_t>(edges.size()); ++f) {
+        const auto [a, b] = edges[e];
+        const auto [c, d] = edges[f];
+        if (a == c || a == d || b == c || b == d) continue;
+        if (edge_edge_squared_distance(x[a], x[b], x[c], x[d]) > kReach * kReach) continue;
+        ++near;
+        missing += !edge_edge.contains({e, f});
+      }
+    CHECK(near > 1000);
+    CHECK(missing == 0);
+  }
+}
 
 TEST_CASE("a motion into another group ends before it") {
   CollisionSet set(kGroups, kEdges, kTriangles);

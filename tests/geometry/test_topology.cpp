@@ -5,6 +5,7 @@
 #include <set>
 
 #include <stark/base/error.h>
+#include <stark/geometry/mass_properties.h>
 #include <stark/geometry/shapes.h>
 #include <stark/geometry/topology.h>
 
@@ -66,6 +67,7 @@ TEST_CASE("boundary of a tet mesh is closed, outward and has the surface of the 
   double area = 0.0;
   for (const double a : compute_triangle_areas(box.vertices, surface)) area += a;
   CHECK(area == doctest::Approx(22.0).epsilon(1e-13));
+  CHECK(compute_solid_mass_properties(box.vertices, surface, 1.0).measure == doctest::Approx(6.0));
   for (const Index3& t : surface) {
     const Vec3 &a = box.vertices[t[0]], &b = box.vertices[t[1]], &c = box.vertices[t[2]];
     CHECK(dot(cross(b - a, c - a), a + b + c) > 0.0);

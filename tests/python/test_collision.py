@@ -1,4 +1,4 @@
-"""Continuous detection against Tight Inclusion, candidates against brute force, intersections."""
+"""Continuous detection against Tight Inclusion, safe steps, intersections."""
 
 from __future__ import annotations
 
@@ -84,36 +84,6 @@ def two_bodies(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.nda
     triangles = np.concatenate([grid_triangles, ball_triangles + len(grid)])
     group = np.repeat(np.array([0, 1], dtype=np.int32), [len(grid), len(ball)])
     return vertices, triangles, group
-
-
-def test_candidates_hold_every_pair_in_reach_and_sort() -> None:
-    rng = np.random.default_rng(13)
-    for _ in range(3):
-        x, triangles, group = two_bodies(rng)
-        edges = core.find_edges(triangles)
-        scene = core.CollisionScene(group, edges, triangles)
-        reach = 0.1
-        found = scene.find(x, x, [0.5 * reach, 0.5 * reach])
-        pt, ee = found["point_triangle"], found["edge_edge"]
-        for pairs in (pt, ee):
-            assert np.array_equal(pairs, np.unique(pairs, axis=0))
-        p, t = (a.ravel() for a in np.meshgrid(np.arange(len(x)), np.arange(len(triangles)), indexing="ij"))
-        apart = ~np.any(triangles[t] == p[:, None], axis=1)
-        p, t = p[apart], t[apart]
-        _, squared, _ = core.classify_point_triangle(
-            np.concatenate([x[p][:, None], x[triangles[t]]], axis=1).reshape(-1, 12)
-        )
-        near = squared <= reach**2
-        assert set(zip(p[near], t[near], strict=True)) <= set(map(tuple, pt.tolist()))
-        a, b = np.triu_indices(len(edges), 1)
-        apart = ~np.any(edges[a][:, :, None] == edges[b][:, None, :], axis=(1, 2))
-        a, b = a[apart], b[apart]
-        _, squared, _ = core.classify_edge_edge(
-            np.concatenate([x[edges[a]], x[edges[b]]], axis=1).reshape(-1, 12)
-        )
-        near = squared <= reach**2
-        assert near.sum() > 1000
-        assert set(zip(a[near], b[near], strict=True)) <= set(map(tuple, ee.tolist()))
 
 
 def test_safe_step_against_ipctk_and_intersections_after_it() -> None:

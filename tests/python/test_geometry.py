@@ -1,4 +1,4 @@
-"""Geometry against independent implementations: ipctk (closest features, distances) and NumPy."""
+"""Geometry against an independent implementation, ipctk: closest features, distances, edges."""
 
 from __future__ import annotations
 
@@ -87,37 +87,6 @@ def test_point_edge_equals_ipctk() -> None:
     assert np.array_equal(types, [int(ipctk.point_edge_distance_type(*s)) for s in x])
 
 
-@pytest.mark.parametrize(
-    "mesh",
-    [
-        core.make_box((1.0, 2.0, 3.0), 2),
-        core.make_icosphere(0.5, 2),
-        core.make_cylinder(0.3, 1.0),
-        core.make_capsule(0.3, 1.0),
-        core.make_torus(1.0, 0.3),
-    ],
-    ids=["box", "icosphere", "cylinder", "capsule", "torus"],
-)
-def test_shapes_are_closed_and_their_mass_matches_monte_carlo(mesh: tuple[np.ndarray, np.ndarray]) -> None:
-    vertices, triangles = mesh
-    assert core.is_closed(triangles)
-    assert core.is_orientation_consistent(triangles)
-    assert set(np.unique(core.find_connected_components(vertices, triangles))) == {0}
-    properties = core.compute_solid_mass_properties(vertices, triangles, 2.0)
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    samples = np.random.default_rng(5).uniform(low, high, (20_000, 3))
-    inside = samples[core.locate_points(samples, vertices, triangles) == 1]
-    volume = np.prod(high - low) * len(inside) / len(samples)
-    # Standard deviation of the estimate: sqrt(p (1 - p) / n) of the box, below 0.4 %; five of them.
-    assert abs(properties["measure"] - volume) < 0.02 * np.prod(high - low)
-    r2 = np.sum(inside**2, axis=1)
-    inertia = 2.0 * volume * (np.eye(3) * r2.mean() - inside.T @ inside / len(inside))
-    assert np.allclose(properties["inertia"], inertia, atol=0.05 * np.abs(inertia).max())
-    values, axes = core.compute_principal_axes(properties["inertia"])
-    assert np.allclose(np.sort(np.linalg.eigvalsh(properties["inertia"])), values)
-    assert np.linalg.det(axes) == pytest.approx(1.0)
-
-
 def test_edges_and_hinges_of_a_grid() -> None:
     vertices, triangles = core.make_grid(1.0, 2.0, 4, 3)
     assert vertices.shape == (20, 3)
@@ -126,19 +95,11 @@ def test_edges_and_hinges_of_a_grid() -> None:
     assert [tuple(e) for e in edges.tolist()] == sorted(expected)
     assert np.array_equal(ipctk.edges(triangles).shape, edges.shape)
     assert len(core.find_hinges(triangles)) == len(edges) - len(core.find_boundary_edges(triangles))
-    assert core.compute_vertex_areas(vertices, triangles).sum() == pytest.approx(2.0)
-
-
-def test_tet_box_boundary() -> None:
-    vertices, tets = core.make_tet_box((1.0, 1.0, 1.0), (3, 3, 3))
-    boundary = core.find_boundary_triangles(tets)
-    assert core.is_closed(boundary)
-    assert core.compute_solid_mass_properties(vertices, boundary, 1.0)["measure"] == pytest.approx(1.0)
 
 
 def test_bad_input_is_refused() -> None:
     with pytest.raises(InvalidMesh, match="vertex 7"):
-        core.compute_vertex_areas(np.zeros((3, 3)), [[0, 1, 7]])
+        core.compute_solid_mass_properties(np.zeros((3, 3)), [[0, 1, 7]], 1.0)
     with pytest.raises(InvalidArgument, match="radius"):
         core.make_icosphere(-1.0, 2)
     with pytest.raises(InvalidArgument, match="triangles"):

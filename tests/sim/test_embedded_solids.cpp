@@ -1,7 +1,9 @@
 // Solids whose surface is embedded in a lattice: what follows, momentum of forces on the surface, refusals.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <stark/geometry/embedding.h>
 #include <stark/stark.h>
@@ -48,8 +50,10 @@ TEST_CASE("embedded vertices are where the shape functions of their cells put th
     for (int k = 0; k < 5; ++k) REQUIRE_FALSE(simulation.step().failed());
     const std::vector<Vec3> x = simulation.positions(body), v = simulation.velocities(body);
     std::vector<double> weights(mesh.node_count());
+    const std::vector<double> all_weights = embedding_weights(mesh);
     for (size_t k = 0; k < mesh.embedding.elements.size(); ++k) {
       embedding_weights(mesh, k, weights);
+      CHECK(std::ranges::equal(weights, std::span(all_weights).subspan(k * weights.size(), weights.size())));
       Vec3 at, speed;
       for (int a = 0; a < mesh.node_count(); ++a) {
         at += x[mesh.element(mesh.embedding.elements[k])[a]] * weights[a];

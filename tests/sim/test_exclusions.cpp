@@ -161,6 +161,8 @@ TEST_CASE("contact that comes back nearer than the bodies have been is not throw
   for (int n = 0; n < 10; ++n) REQUIRE_FALSE(sim.step().failed());
   CHECK(sim.state().contact_regained == std::vector<int64_t>{0});
   CHECK(sim.state().contact_close_bodies.size() == 1);
+  REQUIRE(sim.close_bodies().size() == 1);
+  CHECK(sim.close_bodies()[0] == std::tuple(0, 1, sim.state().contact_close_distance[0]));
   CHECK(norm(sim.linear_velocity(sim.scene().find("arm"))) < 1e-6);
 }
 

@@ -66,6 +66,7 @@ TEST_CASE("values are checked when they are given") {
                        InvalidArgument);
   const ActuatorId id = motor({{"target", 1}, {"cap", 1}, {"delta", 1}});
   m.scene.set_actuator_value(id, "target", 4.0);
+  CHECK(m.scene.actuator_value(id, "target") == 4.0);
   m.scene.set_actuator_enabled(id, false);
   CHECK_THROWS_WITH_AS(m.scene.set_actuator_value(id, "delta", 0.0), Contains("delta = 0 rad/s: must be > 0"),
                        InvalidArgument);

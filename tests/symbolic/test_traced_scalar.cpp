@@ -55,6 +55,10 @@ TEST_CASE("conditions are no numbers, and numbers no conditions") {
   CHECK_THROWS_AS(where(x, x, x), TraceError);
   CHECK_THROWS_AS(hessian(condition, {x}), TraceError);
   CHECK(where(condition, x, kTwo).graph == x.graph);
+  CHECK_THROWS_AS(negative(condition), TraceError);
+  CHECK_THROWS_AS(inverted(x), TraceError);
+  CHECK(negative(kTwo).value.value() == -2.0);
+  CHECK(inverted(condition).graph == x.graph);
 }
 
 TEST_CASE("powers with integer exponents are products, too large ones are refused") {

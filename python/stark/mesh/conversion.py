@@ -91,4 +91,4 @@ def to_quadratic(mesh: Any) -> SolidMesh:
     if isinstance(solid, EmbeddedMesh):
         raise InvalidMesh("to_quadratic: got an EmbeddedMesh: must have its order from lattice(order=2)")
     elements = solid.tets if isinstance(solid, TetMesh) else solid.elements
-    return SolidMesh(*_core.to_quadratic(solid.vertices, elements))
+    return SolidMesh(*_core.to_quadratic({"vertices": solid.vertices, "elements": elements}))

@@ -212,7 +212,7 @@ class SolidMesh(MeshBase):
     @property
     def volumes(self) -> NDArray[np.float64]:
         """Volume of each element [m^3], shape (m,)."""
-        return _core.element_volumes(self.vertices, self.elements)
+        return _core.element_volumes({"vertices": self.vertices, "elements": self.elements})
 
     @property
     def volume(self) -> float:
@@ -222,14 +222,14 @@ class SolidMesh(MeshBase):
     def surface_triangles(self) -> Indices:
         """Boundary triangles (k, 3), outwards, as indices of ``vertices``: faces of quadratic elements are
         cut into four or eight."""
-        return _core.solid_boundary_triangles(self.elements)
+        return _core.solid_boundary_triangles({"elements": self.elements})
 
     def surface(self) -> TriangleMesh:
         """The boundary as a mesh of its own, without the inner vertices."""
         return compact(TriangleMesh(self.vertices, self.surface_triangles()))
 
     def __repr__(self) -> str:
-        kind = _core.element_name(self.elements)
+        kind = _core.element_name({"elements": self.elements})
         return f"SolidMesh({len(self.vertices)} vertices, {len(self.elements)} elements: {kind})"
 
 
@@ -280,6 +280,9 @@ class EmbeddedMesh(SolidMesh):
     def _embedding(self) -> dict[str, Any]:
         return {"cells": self.cells, "triangles": self.triangles, "filling": self.filling}
 
+    def _as_one(self) -> dict[str, Any]:
+        return {"vertices": self.vertices, "elements": self.elements, "embedding": self._embedding()}
+
     @property
     def node_count(self) -> int:
         """Number of nodes: vertices from it on are of the surface."""
@@ -288,7 +291,7 @@ class EmbeddedMesh(SolidMesh):
     @property
     def volumes(self) -> NDArray[np.float64]:
         """Volume that is inside of the surface in each element [m^3], shape (m,)."""
-        return _core.filled_volumes(self.vertices, self.elements, self._embedding())
+        return _core.element_volumes(self._as_one())
 
     def surface_triangles(self) -> Indices:
         """The surface (t, 3), as indices of ``vertices``."""
@@ -321,14 +324,14 @@ class EmbeddedMesh(SolidMesh):
             raise InvalidArgument(
                 f"carried: got the shape {given.shape}: must be ({self.node_count}, ...), a row for each node"
             )
-        weights = _core.embedding_weights(self.vertices, self.elements, self._embedding())
+        weights = _core.embedding_weights(self._as_one())
         of_cells = given[self.elements[self.cells]]
         return np.concatenate([given, np.einsum("kn,kn...->k...", weights, of_cells)])
 
     def __repr__(self) -> str:
         return (
             f"EmbeddedMesh({len(self.triangles)} triangles in {len(self.elements)} cells, {self.node_count} "
-            f"nodes: {_core.element_name(self.elements)})"
+            f"nodes: {_core.element_name({'elements': self.elements})})"
         )
 
 

@@ -97,7 +97,8 @@ class _Middles(NamedTuple):
 
 def _middles(cells: Indices) -> _Middles:
     """Of hexahedra of 20 nodes (m, 20)."""
-    unit, order = _core.to_quadratic(*_cube())
+    corners, cube = _cube()
+    unit, order = _core.to_quadratic({"vertices": corners, "elements": cube})
     unit = unit[order[0]]
     around = []  # of each node of a face, the nodes of that face
     for node in unit[20:26]:

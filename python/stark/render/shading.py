@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._core import Canvas
+from .. import _core
 from .camera import Bounds, Camera, upright
 from .colormaps import Colormap, linear, srgb_bytes
 from .item_buffer import values_seen
@@ -129,27 +129,38 @@ def _untoned(shown: np.ndarray) -> np.ndarray:
 
 
 def _rasterised(pieces: Sequence[Piece], style: Style) -> np.ndarray:
-    canvas = Canvas()
-    canvas.width, canvas.height = style.size
-    canvas.threads = style.threads
-    canvas.key_lights, canvas.sky_lights, canvas.samples = QUALITIES[style.quality]
     camera, bounds = style.camera, style.bounds
     turn = upright(bounds.up).T  # the core has z up
-    seen = np.array([camera.eye, camera.target, camera.up, bounds.center]) @ turn
-    canvas.eye, canvas.target, canvas.up, canvas.scene_center = seen.tolist()
-    canvas.vertical_fov = camera.vertical_fov
-    canvas.scene_radius = bounds.radius
-    canvas.ground, canvas.ground_height = not bounds.has_floor, bounds.ground
-    canvas.grid_spacing = grid_spacing(bounds.radius) if style.grid else 0.0
-    canvas.edges = style.edges
-    for piece in pieces:
-        canvas.add_mesh(
-            piece.positions @ turn,
-            piece.triangles,
-            color=piece.color,
-            crease_angle=crease_angle(piece),
-            pale_back=piece.smooth and piece.values is None,
-            fades_out=piece.scenery,
-            outlined=piece.outlined,
-        )
-    return np.asarray(canvas.draw())
+    eye, target, up, center = (
+        np.array([camera.eye, camera.target, camera.up, bounds.center]) @ turn
+    ).tolist()
+    width, height = style.size
+    key_lights, sky_lights, samples = QUALITIES[style.quality]
+    settings = {
+        "width": width,
+        "height": height,
+        "samples": samples,
+        "key_lights": key_lights,
+        "sky_lights": sky_lights,
+        "scene_center": center,
+        "scene_radius": bounds.radius,
+        "ground": not bounds.has_floor,
+        "ground_height": bounds.ground,
+        "grid_spacing": grid_spacing(bounds.radius) if style.grid else 0.0,
+        "edges": style.edges,
+        "threads": style.threads,
+    }
+    meshes = [
+        {
+            "positions": piece.positions @ turn,
+            "triangles": piece.triangles,
+            "color": piece.color,
+            "crease_angle": crease_angle(piece),
+            "pale_back": piece.smooth and piece.values is None,
+            "fades_out": piece.scenery,
+            "outlined": piece.outlined,
+        }
+        for piece in pieces
+    ]
+    view = {"eye": eye, "target": target, "up": up, "vertical_fov": camera.vertical_fov}
+    return np.asarray(_core.draw(meshes, view, settings))

@@ -188,7 +188,7 @@ class Robot(RobotDynamics):
         if simulation is None:
             return reading(self._start.copy(), self, "q", assign=True)
         core = simulation._core
-        found = [core.joint_coordinate(joint._index, 0) + shift for joint, shift in self._axes()]
+        found = [core.joint_coordinates(joint._index)[0].item() + shift for joint, shift in self._axes()]
         return reading(np.array(found), self, "q", assign=True)
 
     @q.setter

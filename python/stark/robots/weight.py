@@ -98,6 +98,7 @@ class CarriedWeight:
         """(n,) [N m, N] that hold it where its bodies are."""
         if isinstance(core, _core.Simulation):
             positions, rotations = core.poses(self._bodies)
+            rotations = rotations.reshape(-1, 3, 3)
         else:
             found = [core.pose(body) for body in self._bodies]
             positions, rotations = (np.array([pose[k] for pose in found]) for k in range(2))

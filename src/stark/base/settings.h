@@ -26,6 +26,7 @@
 #include <vector>
 
 #include <stark/base/math.h>
+#include <stark/base/reading.h>
 
 namespace stark {
 
@@ -99,6 +100,16 @@ struct Field {
 
   std::string rule_text() const;
   std::string value_text(const FieldValue& value) const;  ///< with unit: "-1 m/s"
+  std::vector<std::string> choice_names() const { return choices ? choices() : std::vector<std::string>(); }
+};
+template <>
+struct Readings<Field> {
+  static constexpr std::tuple kAll{reading<&Field::name>("name"),
+                                   reading<&Field::unit>("unit"),
+                                   reading<&Field::default_value>("default"),
+                                   reading<&Field::rule_text>("rule"),
+                                   reading<&Field::choice_names>("choices"),
+                                   reading<&Field::doc>("doc")};
 };
 
 /// Whether a table is a set of settings (violations throw InvalidSetting) or of parameters of an object of

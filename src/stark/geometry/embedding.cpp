@@ -74,6 +74,13 @@ void embedding_weights(const SolidMesh& mesh, size_t k, std::span<double> out) {
   shape_functions(mesh.type, find_reference_position(mesh, mesh.embedding.elements[k], x), out);
 }
 
+std::vector<double> embedding_weights(const SolidMesh& mesh) {
+  const size_t nodes = mesh.node_count(), count = mesh.embedding.elements.size();
+  std::vector<double> weights(count * nodes);
+  for (size_t k = 0; k < count; ++k) embedding_weights(mesh, k, std::span(weights).subspan(k * nodes, nodes));
+  return weights;
+}
+
 Vec3 filled_position(const CellFilling& filling, const Vec3& position) {
   Vec3 result;
   for (int k = 0; k < 3; ++k) {

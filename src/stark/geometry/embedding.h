@@ -15,6 +15,8 @@ Vec3 find_reference_position(const SolidMesh& mesh, int64_t element, const Vec3&
 
 /// Shape functions of its element at embedded vertex k, counted from the first one: [node_count()].
 void embedding_weights(const SolidMesh& mesh, size_t k, std::span<double> out);
+/// Of all embedded vertices: [vertex][node].
+std::vector<double> embedding_weights(const SolidMesh& mesh);
 
 /// Where a point of a rule on the cell is in what is filled: the rule is that of the box with the centre and
 /// the second moments of the filling, at least a tenth of the cell wide.

@@ -49,6 +49,41 @@ struct RasterSettings {
   int threads = 1;                           ///< the picture does not depend on it
 };
 
+/// Calls function(name, member) for each member that is set by name.
+template <typename Function>
+void for_each_field(RasterMesh& mesh, Function&& function) {
+  function("color", mesh.color);
+  function("crease_angle", mesh.crease_angle);
+  function("pale_back", mesh.pale_back);
+  function("fades_out", mesh.fades_out);
+  function("outlined", mesh.outlined);
+}
+template <typename Function>
+void for_each_field(RasterCamera& camera, Function&& function) {
+  function("eye", camera.eye);
+  function("target", camera.target);
+  function("up", camera.up);
+  function("vertical_fov", camera.vertical_fov);
+}
+template <typename Function>
+void for_each_field(RasterSettings& settings, Function&& function) {
+  function("width", settings.width);
+  function("height", settings.height);
+  function("samples", settings.samples);
+  function("scene_center", settings.scene_center);
+  function("scene_radius", settings.scene_radius);
+  function("light", settings.light);
+  function("key_lights", settings.key_lights);
+  function("sky_lights", settings.sky_lights);
+  function("ground", settings.ground);
+  function("ground_height", settings.ground_height);
+  function("grid_spacing", settings.grid_spacing);
+  function("edges", settings.edges);
+  function("background_top", settings.background_top);
+  function("background_bottom", settings.background_bottom);
+  function("threads", settings.threads);
+}
+
 /// sRGB picture, rows from the top, three bytes a pixel.
 struct Image {
   int width = 0;

@@ -7,6 +7,7 @@
 #include <stark/base/reading.h>
 #include <stark/mechanics/actuator.h>
 #include <stark/mechanics/field_values.h>
+#include <stark/mechanics/potential.h>
 #include <stark/mechanics/state.h>
 
 namespace stark {
@@ -25,11 +26,25 @@ struct Readings<ParameterDeclaration> {
 };
 
 template <>
+struct Readings<UniformField> {
+  using F = UniformField;
+  static constexpr std::tuple kAll{reading<&F::name>("name"), reading<&F::unit>("unit"),
+                                   reading<&F::doc>("doc"), reading<&F::width>("width")};
+};
+
+template <>
 struct Readings<ActuatorParameter> {
   using P = ActuatorParameter;
   static constexpr std::tuple kAll{reading<&P::name>("name"), reading<&P::unit>("unit"),
                                    reading<&P::rule, &FieldRule::text>("rule"), reading<&P::doc>("doc"),
                                    reading<&P::fallback>("default")};
+};
+
+template <>
+struct Readings<PotentialDefinition> {
+  using P = PotentialDefinition;
+  static constexpr std::tuple kAll{reading<&P::name>("name"), reading<&P::point_count>("points"),
+                                   reading<&P::doc>("doc")};
 };
 
 template <>

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <stark/base/reading.h>
 #include <stark/base/settings.h>
 
 namespace stark {
@@ -102,6 +103,22 @@ struct RodSection {
   bool yields() const;
 };
 RodSection section_of(const RodMaterial& material);
+template <>
+struct Readings<RodSection> {
+  using S = RodSection;
+  static constexpr std::tuple kAll{
+      reading<&S::mass>("mass"),
+      reading<&S::axial_stiffness>("axial_stiffness"),
+      reading<&S::shear_stiffness>("shear_stiffness"),
+      Reading{"bending_stiffness_1", "", [](const S& s) { return s.bending_stiffness[0]; }},
+      Reading{"bending_stiffness_2", "", [](const S& s) { return s.bending_stiffness[1]; }},
+      reading<&S::torsional_stiffness>("torsional_stiffness"),
+      reading<&S::yield_force>("yield_force"),
+      Reading{"yield_moment_1", "", [](const S& s) { return s.yield_moments[0]; }},
+      Reading{"yield_moment_2", "", [](const S& s) { return s.yield_moments[1]; }},
+      reading<&S::yield_torque>("yield_torque"),
+      reading<&S::yield_hardening>("yield_hardening")};
+};
 
 /// Where the bending of a shell yields.
 struct BendingYield {

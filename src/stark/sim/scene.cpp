@@ -75,6 +75,17 @@ void Scene::enable_contact(BodyId a, BodyId b) {
   enable(attachments_);
 }
 
+void Scene::disable_contacts(const std::vector<BodyId>& a, const std::vector<BodyId>& b) {
+  for (const BodyId i : a)
+    for (const BodyId j : b)
+      if (i != j) disable_contact(i, j);
+}
+void Scene::enable_contacts(const std::vector<BodyId>& a, const std::vector<BodyId>& b) {
+  for (const BodyId i : a)
+    for (const BodyId j : b)
+      if (i != j) enable_contact(i, j);
+}
+
 bool Scene::contact_enabled(BodyId a, BodyId b) const {
   return contact_possible(a, b) && !is_kept_apart(a, b);
 }

@@ -221,6 +221,7 @@ class Scene {
   ActuatorId add_actuator(ActuatorDescription description);
   const std::vector<ActuatorDescription>& actuators() const { return actuators_; }
   const ActuatorDescription& actuator(ActuatorId actuator) const;
+  double actuator_value(ActuatorId id, const std::string& name) const { return actuator(id).values.at(name); }
   /// Value that an actuator starts with; throws InvalidArgument for unknown names and forbidden values.
   void set_actuator_value(ActuatorId actuator, const std::string& name, double value);
   void set_actuator_enabled(ActuatorId actuator, bool enabled);
@@ -273,6 +274,9 @@ class Scene {
   /// is the self-contact of a deformable body.
   void disable_contact(BodyId a, BodyId b);
   void enable_contact(BodyId a, BodyId b);
+  /// Of each body of a with each other one of b.
+  void disable_contacts(const std::vector<BodyId>& a, const std::vector<BodyId>& b);
+  void enable_contacts(const std::vector<BodyId>& a, const std::vector<BodyId>& b);
   /// False for pairs that cannot touch, and for those of joints and attachments without contact.
   bool contact_enabled(BodyId a, BodyId b) const;
   /// False for disabled pairs, rigid bodies with themselves and pairs of bodies that are both fixed or

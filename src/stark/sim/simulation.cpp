@@ -8,6 +8,7 @@
 
 #include <stark/base/error.h>
 #include <stark/base/rotation.h>
+#include <stark/contact/contact_set.h>
 #include <stark/geometry/intersection.h>
 #include <stark/sim/contact_distance.h>
 #include <stark/sim/not_finite.h>
@@ -130,6 +131,15 @@ const StepReport& Simulation::report() const { return parts_->runner.report(); }
 StepProgress Simulation::progress() const { return parts_->runner.progress(); }
 int64_t Simulation::exclusion_count() const { return parts_->watch.exclusions().size(); }
 
+std::vector<std::tuple<int32_t, int32_t, double>> Simulation::close_bodies() const {
+  std::vector<std::tuple<int32_t, int32_t, double>> pairs;
+  for (size_t k = 0; k < state_.contact_close_bodies.size(); ++k) {
+    const auto [a, b] = groups_of_code(state_.contact_close_bodies[k]);
+    pairs.emplace_back(a, b, state_.contact_close_distance[k]);
+  }
+  return pairs;
+}
+
 void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) const {
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
   // Different vertices at one place, as in files that write a vertex once for each triangle.
@@ -234,6 +244,15 @@ const std::vector<Index3>& Simulation::triangles(BodyId body) const {
   return model_->bodies()[body.index].triangles;
 }
 
+std::pair<std::vector<Vec3>, std::vector<Mat3>> Simulation::poses(const std::vector<BodyId>& bodies) const {
+  std::pair<std::vector<Vec3>, std::vector<Mat3>> found;
+  for (const BodyId body : bodies) {
+    found.first.push_back(position(body));
+    found.second.push_back(rotation(body));
+  }
+  return found;
+}
+
 Vec3 Simulation::position(BodyId body) const {
   rigid(body, "position");
   Vec3 t;
@@ -288,12 +307,13 @@ void Simulation::set_pose(BodyId body, const Vec3& position, const Mat3& rotatio
   state_.script_remaining[b.rigid_index] = remaining;
 }
 
-void Simulation::target_pose(BodyId body, Vec3& out_position, Mat3& out_rotation) const {
-  const ModelBody& b = rigid(body, "target_pose");
-  if (script_phase(state_.script_remaining[b.rigid_index]) == ScriptPhase::Velocity)
-    return model_->mesh_pose(body.index, state_, out_position, out_rotation);
-  out_position = state_.script_position[b.rigid_index];
-  out_rotation = state_.script_rotation[b.rigid_index];
+std::pair<Vec3, Mat3> Simulation::target_pose(BodyId body) const {
+  const int32_t k = rigid(body, "target_pose").rigid_index;
+  if (script_phase(state_.script_remaining[k]) != ScriptPhase::Velocity)
+    return {state_.script_position[k], state_.script_rotation[k]};
+  std::pair<Vec3, Mat3> pose;
+  model_->mesh_pose(body.index, state_, pose.first, pose.second);
+  return pose;
 }
 
 void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity) {

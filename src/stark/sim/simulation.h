@@ -5,6 +5,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <stark/collision/intersection.h>
@@ -95,6 +97,8 @@ class Simulation {
   Mat3 rotation(BodyId body) const;
   Vec3 linear_velocity(BodyId body) const;
   Vec3 angular_velocity(BodyId body) const;
+  /// Of many rigid bodies at once.
+  std::pair<std::vector<Vec3>, std::vector<Mat3>> poses(const std::vector<BodyId>& bodies) const;
   /// Velocity of its centre of mass [m/s]; of the origin of fixed and scripted bodies.
   Vec3 centre_velocity(BodyId body) const;
 
@@ -102,7 +106,7 @@ class Simulation {
   /// With `duration` [s] the pose holds after that time.
   void set_pose(BodyId body, const Vec3& position, const Mat3& rotation, std::optional<double> duration = {});
   /// Where a scripted body is moving to or resting; its pose while it moves at constant velocity.
-  void target_pose(BodyId body, Vec3& out_position, Mat3& out_rotation) const;
+  std::pair<Vec3, Mat3> target_pose(BodyId body) const;
   /// Velocity of the origin [m/s] and angular velocity [rad/s] of a scripted body from now on.
   void set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity);
   /// Positions [m] of the pinned vertices, in the order of pinning, at the end of the next full time step.
@@ -180,7 +184,7 @@ class Simulation {
   /// frame of its mesh. Throws InvalidArgument where the scene gave the body none
   /// (Scene::set_surface_motion).
   void set_surface_motion(BodyId body, const Vec3& velocity, const Vec3& spin);
-  SurfaceMotion surface_motion(BodyId body) const;
+  std::optional<SurfaceMotion> surface_motion(BodyId body) const;  ///< none where the scene gave none
 
   /// InvalidArgument where released pairs of an attachment are away from where they were at time 0: held
   /// again, they would be thrown there.
@@ -195,6 +199,9 @@ class Simulation {
   void release_pairs(AttachmentId attachment, std::span<const int32_t> pairs);
   /// Where the place of a constraint is in held_places(); null: it cannot hold what it finds.
   const HeldPlace* find_held_place(int32_t constraint) const;
+  /// The same as the position of its first number there, or of those of the pairs of an attachment; -1: none.
+  int64_t first_held_place(JointId joint) const;
+  int64_t first_held_place(AttachmentId attachment) const;
   /// Where side a is on the carriers of side b, of all constraints that can hold what they find.
   const std::vector<double>& held_places() const {
     return state_.held_place.empty() ? model_->initial_places() : state_.held_place;
@@ -207,6 +214,8 @@ class Simulation {
   /// them gets the opposite. After set_state, of the multipliers of the state, as joint_reaction.
   std::vector<Vec3> attachment_forces(AttachmentId attachment) const;
 
+  /// Pairs of bodies that started within their contact distance, and the one that they have now [m].
+  std::vector<std::tuple<int32_t, int32_t, double>> close_bodies() const;
   /// Numbers in State::contact_regained are below this one.
   int64_t exclusion_count() const;
 

@@ -119,6 +119,15 @@ const HeldPlace* Simulation::find_held_place(int32_t constraint) const {
   return place != places.end() && place->constraint == constraint ? &*place : nullptr;
 }
 
+int64_t Simulation::first_held_place(JointId joint) const {
+  const HeldPlace* place = find_held_place(joint.index);
+  return place ? place->first : -1;
+}
+int64_t Simulation::first_held_place(AttachmentId attachment) const {
+  const HeldPlace* place = find_held_place(model_->attachments()[attachment.index].first_constraint);
+  return place ? place->first : -1;
+}
+
 void Simulation::take_place(const HeldPlace& place, std::span<const Vec3> x) {
   if (state_.held_place.empty()) state_.held_place = model_->initial_places();
   const std::vector<double> numbers = find_place(energies_.constraints, place, x);

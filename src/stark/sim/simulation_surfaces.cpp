@@ -33,9 +33,11 @@ void Simulation::set_surface_motion(BodyId body, const Vec3& velocity, const Vec
   state_.surface_spin[k] = spin;
 }
 
-SurfaceMotion Simulation::surface_motion(BodyId body) const {
+std::optional<SurfaceMotion> Simulation::surface_motion(BodyId body) const {
+  const std::optional<SurfaceMotion> given = scene_.surface_motion(body);
+  if (!given) return {};
   const size_t k = surface_index(scene_, body);
-  return {state_.surface_velocity[k], state_.surface_spin[k], scene_.surface_motions().at(body.index).center};
+  return SurfaceMotion{state_.surface_velocity[k], state_.surface_spin[k], given->center};
 }
 
 }  // namespace stark

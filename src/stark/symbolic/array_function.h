@@ -80,3 +80,12 @@ class ArrayFunction {
 };
 
 }  // namespace stark::symbolic
+
+template <>
+struct stark::Readings<stark::symbolic::ArrayFunctionStatistics> {
+  using S = symbolic::ArrayFunctionStatistics;
+  static constexpr std::tuple kAll{
+      reading<&S::operations>("operations"), reading<&S::instructions>("instructions"),
+      reading<&S::code_bytes>("code_bytes"), reading<&S::build_seconds>("build_seconds"),
+      reading<&S::algorithm>("algorithm")};
+};

@@ -3,9 +3,11 @@
 // interpreter, same bits). Phase: built when a model is built; evaluated in every assembly.
 #pragma once
 
+#include <stark/base/reading.h>
 #include <stark/base/settings.h>
 #include <stark/symbolic/expr.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -25,7 +27,13 @@ enum class Backend : uint8_t { Automatic, Interpreter, Avx2, Avx512, Neon };
 }  // namespace stark::symbolic
 
 template <>
+struct stark::EnumNames<stark::symbolic::InputKind> {
+  static constexpr const char* kNoun = "input kind";
+  static constexpr std::array<std::string_view, 3> kNames{"unknown", "element", "uniform"};
+};
+template <>
 struct stark::EnumNames<stark::symbolic::Backend> {
+  static constexpr const char* kNoun = "backend";
   static constexpr std::array<std::string_view, 5> kNames{"automatic", "interpreter", "avx2", "avx512",
                                                           "neon"};
 };
@@ -33,12 +41,12 @@ struct stark::EnumNames<stark::symbolic::Backend> {
 namespace stark::symbolic {
 
 struct KernelStatistics {
-  int operations[3] = {0, 0, 0};        // scalar operations of the expression graph, by order
-  int instructions[3] = {0, 0, 0};      // after expansion of functions and fusion, by order
-  int spill_slots[3] = {0, 0, 0};       // machine code only
-  size_t code_bytes[3] = {0, 0, 0};     // machine code only, with its constants
-  double build_seconds[3] = {0, 0, 0};  // differentiation + lowering + code, by order
-  std::string algorithm;                // how the Hessian was formed
+  std::array<int, 3> operations{};        // scalar operations of the expression graph, by order
+  std::array<int, 3> instructions{};      // after expansion of functions and fusion, by order
+  std::array<int, 3> spill_slots{};       // machine code only
+  std::array<size_t, 3> code_bytes{};     // machine code only, with its constants
+  std::array<double, 3> build_seconds{};  // differentiation + lowering + code, by order
+  std::string algorithm;                  // how the Hessian was formed
   Backend backend = Backend::Interpreter;
 };
 
@@ -86,3 +94,12 @@ Backend best_backend();
 std::string to_string(Backend backend);
 
 }  // namespace stark::symbolic
+
+template <>
+struct stark::Readings<stark::symbolic::KernelStatistics> {
+  using S = symbolic::KernelStatistics;
+  static constexpr std::tuple kAll{
+      reading<&S::operations>("operations"), reading<&S::instructions>("instructions"),
+      reading<&S::code_bytes>("code_bytes"), reading<&S::build_seconds>("build_seconds"),
+      reading<&S::algorithm>("algorithm"),   reading<&S::backend>("backend")};
+};

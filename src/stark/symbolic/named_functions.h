@@ -45,23 +45,27 @@ inline constexpr NamedBinary kBinaryFunctions[] = {
 
 struct BinaryOperator {
   const char* symbol;
+  const char* name;  ///< of the method of Python: __add__, and __radd__ with the operands the other way round
   BinaryOperation function;
+  bool is_comparison = false;  ///< has no method for operands the other way round
   bool of_conditions = false;
 };
 
-inline constexpr BinaryOperator kAdd{"+", [](const Scalar& a, const Scalar& b) { return a + b; }};
-inline constexpr BinaryOperator kSubtract{"-", [](const Scalar& a, const Scalar& b) { return a - b; }};
-inline constexpr BinaryOperator kMultiply{"*", [](const Scalar& a, const Scalar& b) { return a * b; }};
-inline constexpr BinaryOperator kDivide{"/", [](const Scalar& a, const Scalar& b) { return a / b; }};
+inline constexpr BinaryOperator kBinaryOperators[] = {
+    {"+", "add", [](const Scalar& a, const Scalar& b) { return a + b; }},
+    {"-", "sub", [](const Scalar& a, const Scalar& b) { return a - b; }},
+    {"*", "mul", [](const Scalar& a, const Scalar& b) { return a * b; }},
+    {"/", "truediv", [](const Scalar& a, const Scalar& b) { return a / b; }},
+    {"<", "lt", [](const Scalar& a, const Scalar& b) { return a < b; }, true},
+    {"<=", "le", [](const Scalar& a, const Scalar& b) { return a <= b; }, true},
+    {">", "gt", [](const Scalar& a, const Scalar& b) { return a > b; }, true},
+    {">=", "ge", [](const Scalar& a, const Scalar& b) { return a >= b; }, true},
+    {"&", "and", [](const Scalar& a, const Scalar& b) { return a && b; }, false, true},
+    {"|", "or", [](const Scalar& a, const Scalar& b) { return a || b; }, false, true},
+    {"^", "xor", [](const Scalar& a, const Scalar& b) { return (a && !b) || (!a && b); }, false, true},
+};
 /// Integral literal exponents are products, others real powers of a base >= 0.
-inline constexpr BinaryOperator kPower{"power", [](const Scalar& a, const Scalar& b) { return pow(a, b); }};
-inline constexpr BinaryOperator kLess{"<", [](const Scalar& a, const Scalar& b) { return a < b; }};
-inline constexpr BinaryOperator kLessEqual{"<=", [](const Scalar& a, const Scalar& b) { return a <= b; }};
-inline constexpr BinaryOperator kGreater{">", [](const Scalar& a, const Scalar& b) { return a > b; }};
-inline constexpr BinaryOperator kGreaterEqual{">=", [](const Scalar& a, const Scalar& b) { return a >= b; }};
-inline constexpr BinaryOperator kAnd{"&", [](const Scalar& a, const Scalar& b) { return a && b; }, true};
-inline constexpr BinaryOperator kOr{"|", [](const Scalar& a, const Scalar& b) { return a || b; }, true};
-inline constexpr BinaryOperator kXor{
-    "^", [](const Scalar& a, const Scalar& b) { return (a && !b) || (!a && b); }, true};
+inline constexpr BinaryOperator kPower{"power", "pow",
+                                       [](const Scalar& a, const Scalar& b) { return pow(a, b); }};
 
 }  // namespace stark::symbolic

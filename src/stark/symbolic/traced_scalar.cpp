@@ -108,6 +108,13 @@ TracedScalar apply(BinaryOperation function, const TracedScalar& a, const Traced
   return in_graph(std::move(graph), function(a.value, b.value));
 }
 
+TracedScalar negative(const TracedScalar& a) { return apply(static_cast<UnaryOperation>(operator-), a, "-"); }
+
+TracedScalar inverted(const TracedScalar& a) {
+  require_kind(a, true, "~");
+  return {a.graph, !a.value};
+}
+
 TracedScalar power(const TracedScalar& a, long long exponent) {
   if (exponent > std::numeric_limits<int>::max() || exponent < -std::numeric_limits<int>::max())
     throw TraceError("power: the exponent " + std::to_string(exponent) +

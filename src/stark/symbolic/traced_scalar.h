@@ -41,6 +41,9 @@ using BinaryOperation = Scalar (*)(const Scalar&, const Scalar&);
 TracedScalar apply(UnaryOperation function, const TracedScalar& a, const char* operation);
 TracedScalar apply(BinaryOperation function, const TracedScalar& a, const TracedScalar& b, bool conditions,
                    const char* operation);
+/// -a; of a condition, that it does not hold. Throw TraceError for the other kind.
+TracedScalar negative(const TracedScalar& a);
+TracedScalar inverted(const TracedScalar& a);
 /// A product of as many factors; throws TraceError for exponents that are no int.
 TracedScalar power(const TracedScalar& a, long long exponent);
 /// a where the condition holds, else b.
