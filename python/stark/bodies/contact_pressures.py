@@ -21,7 +21,7 @@ class VertexShares:
         self._faces = triangles if faces is None else faces
         self._shares = np.full(3, 1.0 / 3.0) if faces is None else face_shares(faces.shape[1])
         self._areas = areas.reshape(len(self._faces), -1).sum(axis=1)
-        self._touching = touching.reshape(len(self._faces), -1).all(axis=1)
+        self._touching = np.asarray(touching.reshape(len(self._faces), -1).all(axis=1))
 
     def areas(self, count: int) -> Floats:
         """Of each vertex (count,): of the faces that touch, of all where none does [m^2]."""

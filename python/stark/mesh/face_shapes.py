@@ -8,7 +8,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from stark.mesh.types import EmbeddedMesh, Indices, Mesh, Polyline, SolidMesh
+from stark.mesh.arguments import Indices
+from stark.mesh.types import EmbeddedMesh, Mesh, Polyline, SolidMesh
 
 Floats = NDArray[np.float64]
 
