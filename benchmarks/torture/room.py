@@ -32,6 +32,7 @@ class _Unknowns:
         self.motion = np.zeros((0, 3))  # of what is prescribed
         self.turns: list[int] = []
         self._blocks: list[tuple[int, Floats | None]] = []  # of each vertex: first unknown, lever
+        self.pinned: set[int] = set()
         bodies: list[Any] = list(sim.bodies)
         for body in bodies:
             x = np.array(body.positions)
@@ -53,6 +54,8 @@ class _Unknowns:
 
     def _add_vertices(self, count: int, pins: set[int]) -> None:
         for vertex in range(count):
+            if vertex in pins:
+                self.pinned.add(len(self._blocks))
             self._blocks.append((-1 if vertex in pins else self.count, None))
             self.count += 0 if vertex in pins else 3
 
@@ -126,7 +129,7 @@ def room(sim: stark.Simulation, step: float) -> float | None:
             continue  # prescribed parts in each other
         gradient = near[k].compute_distance_gradient(places).reshape(-1, 3) / (2.0 * gap)
         row = unknowns.row(vertices, gradient)
-        if np.any(row[:-1]):  # else prescribed parts only
+        if np.any(row[:-1]) or unknowns.pinned.intersection(vertices):  # scripted bodies may meet
             rows.append(-row)
             gaps.append(gap)
     if not rows:
