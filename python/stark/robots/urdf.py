@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import io
 import math
-import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
@@ -62,9 +62,15 @@ def read_urdf(file: Path, packages: Mapping[str, Path]) -> RobotDescription:
     report = Report(f"'{file}'")
     tree = parsed(file)
     _check_elements(tree, report)
+    if not tree.get("name"):
+        tree.set("name", file.stem)
+        report.add("assumed", "<robot>", f"no name, which URDF demands: '{file.stem}', that of the file")
     try:
         robot = URDF.load(
-            os.fspath(file), build_scene_graph=False, load_meshes=False, load_collision_meshes=False
+            io.BytesIO(ElementTree.tostring(tree)),
+            build_scene_graph=False,
+            load_meshes=False,
+            load_collision_meshes=False,
         ).robot
     except Exception as error:  # whatever lies beyond the checks
         raise InvalidArgument(f"{report.source}: yourdfpy cannot read it: {error}") from None
@@ -89,8 +95,6 @@ def _check_elements(tree: Element, report: Report) -> None:
             f"<xacro:{name}>",
             "is a macro: must be expanded first; write the file by `xacro robot.xacro > robot.urdf`",
         )
-    if not tree.get("name"):
-        _refuse(report, "<robot>", "name: must be given; add name='...'")
     for element in tree:
         title = _title(element)
         if element.tag not in _KNOWN:

@@ -51,7 +51,7 @@ BAD = {
         "<xacro:leg>: is a macro: must be expanded first; write the file by `xacro robot.xacro",
     ),
     "another format": ("<sdf/>", "begins with <sdf>: must be a URDF file"),
-    "no name": ("<robot><link name='a'/></robot>", "<robot>: name: must be given"),
+    "no name": ("<robot name='r'><link/></robot>", "<link>: name: must be given"),
     "number": (pair(LIMIT.format("low", 5)), "joint 'hinge': <limit lower='low'>: must be a finite number"),
     "infinite": (pair(LIMIT.format("-inf", 5)), "joint 'hinge': <limit lower='-inf'>: must be a finite"),
     "three numbers": (pair('<axis xyz="0 1"/>'), "joint 'hinge': <axis xyz='0 1'>: must be 3 finite numbers"),
@@ -136,6 +136,14 @@ def test_what_is_left_out_is_reported(tmp_path: Path) -> None:
         "joint 'hinge': limit of effort 0: taken as none; drives need a cap"
     ]
     assert f"robot from '{file}'" in str(report) and "  dropped (3):" in str(report)
+
+
+def test_robots_without_a_name_get_that_of_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "crane.urdf"
+    file.write_text("<robot><link name='a'/></robot>")
+    robot = stark.robots.read(file)
+    assert robot.name == "crane"
+    assert robot.report.assumed[0].text == "no name, which URDF demands: 'crane', that of the file"
 
 
 def test_collada_meshes_have_the_unit_that_they_name(tmp_path: Path) -> None:
