@@ -85,9 +85,10 @@ namespace {
 
 /// The square 0 1 2 3 of a body above the square 4 5 6 7 of another one, with a lever for each corner.
 struct Squares {
-  SurfaceMesh mesh{.vertex_count = 8,
+  SurfaceMesh mesh{.vertex_count = 12,
                    .edges = {{1, 2}, {6, 7}},
-                   .triangles = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}}};
+                   .triangles = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}},
+                   .vertex_group = {0, 0, 0, 0, 1, 1, 1, 1, -1, -1, -1, -1}};
   std::vector<Vec3> x{{0, 0, 0.5}, {1, 0, 0.5}, {1, 1, 0.5}, {0, 1, 0.5}, {0, 0, 0},     {1, 0, 0},
                       {1, 1, 0},   {0, 1, 0},   {0, 0, 0},   {0, 0, 0},   {0.5, 0.5, 0}, {0.5, 0.5, 0}};
 
@@ -106,6 +107,7 @@ struct Squares {
     contact.point_count = 2;
     contact.sites = {2, 6, 0, 0};
     contact.weights = {1.0, -1.0, 0.0, 0.0};
+    contact.group_b = 1;
     contact.contact_distance = 1.0;
     return contact;
   }
@@ -117,6 +119,7 @@ struct Squares {
     contact.side_a_count = 2;
     contact.sites = {1, 2, 6, 7};
     contact.weights = {0.1, 0.9, -0.8, -0.2};
+    contact.group_b = 1;
     contact.contact_distance = 1.0;
     return contact;
   }
@@ -152,11 +155,28 @@ TEST_CASE("corners over corners and edges over edges have friction inside of wha
   CHECK(norm(crossing.shift) / norm(to_centre) == doctest::Approx(1.0 - part).epsilon(0.01));
   check_balance(crossing, squares.x);
   // Kept within a step, however the bodies move.
-  const std::vector<Vec3> before = squares.x;
   squares.move({0.05, 0, 0});
   const FrictionStencil kept =
       squares.carriers().stencil(squares.mesh, Squares::edges(), squares.x, crossing.arm);
   CHECK(norm(kept.shift - crossing.shift) < 1e-14);
+}
+
+TEST_CASE("a place that is kept has the opposite motion where the sides of the contact change their names") {
+  Squares squares;
+  squares.move({-0.2, 0.1, 0});
+  const FrictionCarriers carriers = squares.carriers();
+  const FrictionStencil found = carriers.stencil(squares.mesh, Squares::edges(), squares.x);
+  Contact turned = Squares::edges();
+  std::swap(turned.group_a, turned.group_b);
+  turned.sites = {6, 7, 1, 2};
+  turned.weights = {0.8, 0.2, -0.1, -0.9};
+  const FrictionStencil kept = carriers.stencil(squares.mesh, turned, squares.x, found.arm);
+  check_balance(kept, squares.x);
+  CHECK(norm(kept.shift - found.shift) < 1e-14);
+  const std::vector<Vec3> before = squares.x;
+  squares.move({0.01, 0.02, 0});
+  CHECK(norm(found.motion(squares.x, before) - Vec3{0.01, 0.02, 0}) < 1e-15);
+  CHECK(norm(kept.motion(squares.x, before) + Vec3{0.01, 0.02, 0}) < 1e-15);
 }
 
 TEST_CASE("where less than half of the smaller face lies on the other, friction stays at the corners") {

@@ -55,23 +55,29 @@ void add_carrier(const Index3& triangle, const Frame& frame, const Vec3& point, 
   }
 }
 
-/// Both triangles carry the place.
-FrictionStencil shared_stencil(const SharedPlace& shared, const Contact& contact, std::span<const Vec3> x) {
+/// Both triangles carry the place. It may have been found when the sides of the contact were named the other
+/// way round, as those of two edges may be from one refresh to the next.
+FrictionStencil shared_stencil(const SurfaceMesh& mesh, const SharedPlace& shared, const Contact& contact,
+                               std::span<const Vec3> x) {
   const Frame frame = frame_of(shared.carrier, x);
   if (frame.shape == 0.0) return closest_points(contact);
   FrictionStencil stencil{.facing = frame.normal, .arm = {.shared = shared}};
+  const bool is_of_a = mesh.vertex_group[shared.face[0]] == contact.group_a;
+  const double side = is_of_a ? 1.0 : -1.0;
   Vec3 point;
   double rest = 1.0;
   for (int k = 2; k >= 0; --k) {
     const int32_t site = shared.face[k];
     const double weight = k > 0 ? shared.shares[k] : rest;
-    add(stencil, site, weight, {});
+    add(stencil, site, side * weight, {});
     point += x[site] * weight;
     rest -= weight;
   }
   stencil.shift = point;
-  for (int p = 0; p < contact.side_a_count; ++p) stencil.shift -= x[contact.sites[p]] * contact.weights[p];
-  add_carrier(shared.carrier, frame, point, 1.0, stencil);
+  for (int p = 0; p < contact.point_count; ++p)
+    if ((p < contact.side_a_count) == is_of_a)
+      stencil.shift -= x[contact.sites[p]] * std::fabs(contact.weights[p]);
+  add_carrier(shared.carrier, frame, point, side, stencil);
   return stencil;
 }
 
@@ -175,7 +181,7 @@ FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact
                                           PressedAreas& areas) const {
   std::optional<SharedPlace> shared = arm ? arm->shared : std::nullopt;
   if (!arm && !levers_.empty()) shared = levers_.shared_place(mesh, contact, x, areas);
-  if (shared) return shared_stencil(*shared, contact, x);
+  if (shared) return shared_stencil(mesh, *shared, contact, x);
   const Carrier carrier = carrier_of(mesh, contact, x);
   if (!carrier.triangle) return closest_points(contact);
   const Index3& triangle = *carrier.triangle;
