@@ -6,63 +6,62 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark.mesh import Indices, Mesh, Polyline
-from stark.mesh.face_shapes import boundary_faces, face_shares
+from stark.mesh.face_shapes import face_shares, uncut_faces
 
 Floats = NDArray[np.float64]
 
 
 class VertexShares:
-    """What vertices have of the faces of a surface: a third of a triangle; of faces of elements with more
-    nodes the integrals of their shape functions, as the elements spread an even pressure."""
+    """What vertices have of the faces of a surface that touch, or of all where none does: a third of a
+    triangle; of faces of elements with more nodes the integrals of their shape functions, as the elements
+    spread an even pressure."""
 
-    def __init__(self, mesh: Mesh | Polyline, triangles: Indices, areas: Floats, touching: NDArray[np.bool_]):
-        """areas (m,) of the triangles [m^2]; touching (m,): which of them touch."""
-        faces = boundary_faces(mesh)
+    def __init__(
+        self,
+        mesh: Mesh | Polyline,
+        triangles: Indices,
+        triangle_areas: Floats,
+        touching: NDArray[np.bool_],
+        count: int,
+    ) -> None:
+        """Of a surface of so many vertices; triangle_areas (m,) [m^2]; touching (m,): which triangles do."""
+        faces = uncut_faces(mesh, triangles)
         self._faces = triangles if faces is None else faces
-        self._shares = np.full(3, 1.0 / 3.0) if faces is None else face_shares(faces.shape[1])
-        self._areas = areas.reshape(len(self._faces), -1).sum(axis=1)
-        self._touching = np.asarray(touching.reshape(len(self._faces), -1).all(axis=1))
+        shares = np.full(3, 1.0 / 3.0) if faces is None else face_shares(faces.shape[1])
+        touch = np.asarray(touching.reshape(len(self._faces), -1).all(axis=1))
+        self._is_touched = np.zeros(count, dtype=bool)
+        self._is_touched[self._faces[touch]] = True
+        self._counts = self._is_touched[self._faces] == touch[:, None]  # faces for their nodes (m, k)
+        self._is_corner = shares == 0.0  # nodes that have no area, of quadratic tetrahedra
+        self._faces_of_corner = self._sums(self._is_corner * np.ones(self._faces.shape))
+        face_areas = triangle_areas.reshape(len(self._faces), -1).sum(axis=1)
+        self._areas = self._sums(face_areas[:, None] * shares)
 
-    def areas(self, count: int) -> Floats:
-        """Of each vertex (count,): of the faces that touch, of all where none does [m^2]."""
-        return self._by_vertex(self._areas[:, None] * self._shares, count)
+    def pressure(self, forces: Floats) -> Floats:
+        """Forces (n,) [N] over areas (n,) [Pa]. Vertices without an area give their force to the other nodes
+        of their faces in equal parts, and have the mean pressure of these."""
+        lent = self._lend(forces)
+        pressure = np.divide(lent, self._areas, out=np.zeros_like(lent), where=self._areas > 0.0)
+        sums = self._sums(self._is_corner * pressure[self._faces[:, ~self._is_corner]].mean(axis=1)[:, None])
+        presses = (self._faces_of_corner > 0.0) & (self._is_touched | (forces > 0.0))
+        return np.divide(sums, self._faces_of_corner, out=pressure, where=presses)
 
-    def lend(self, forces: Floats) -> Floats:
-        """Forces (n,) with those of vertices without an area, the corners of quadratic tetrahedra, given to
-        the other nodes of their faces in equal parts."""
-        if self._shares.all():
-            return forces
-        corners, others = self._faces[:, self._shares == 0.0], self._faces[:, self._shares > 0.0]
-        counts = self._by_vertex((self._shares == 0.0) * np.ones_like(self._faces), len(forces))
-        given = np.divide(forces, counts, out=np.zeros_like(forces), where=counts > 0.0)
-        lent = np.where(counts > 0.0, 0.0, forces)
-        used = self._used(len(forces))
-        for k in range(corners.shape[1]):
-            part = np.where(used[corners[:, k]] == self._touching, given[corners[:, k]], 0.0)
-            np.add.at(lent, others.ravel(), np.repeat(part / others.shape[1], others.shape[1]))
+    def mean_pressure(self, forces: Floats, vertices: Indices) -> float:
+        """Of these vertices together [Pa]."""
+        return float(forces[vertices].sum() / self._areas[vertices].sum())
+
+    def _lend(self, forces: Floats) -> Floats:
+        """Forces (n,) with those of vertices without an area given away."""
+        has_none = self._faces_of_corner > 0.0
+        each = np.divide(forces, self._faces_of_corner, out=np.zeros_like(forces), where=has_none)
+        given = np.where(self._counts & self._is_corner, each[self._faces], 0.0).sum(axis=1)
+        others = self._faces[:, ~self._is_corner]
+        lent = np.where(has_none, 0.0, forces)
+        np.add.at(lent, others, np.broadcast_to(given[:, None] / others.shape[1], others.shape))
         return lent
 
-    def fill(self, pressure: Floats, forces: Floats) -> Floats:
-        """Pressure (n,) with the mean of the other nodes of their faces at vertices without an area, where
-        these have a force (n,) or touch."""
-        if self._shares.all():
-            return pressure
-        is_corner = self._shares == 0.0
-        means = pressure[self._faces[:, ~is_corner]].mean(axis=1)[:, None]
-        sums = self._by_vertex(is_corner * means, len(pressure))
-        counts = self._by_vertex(is_corner * np.ones_like(means), len(pressure))
-        filled = (counts > 0.0) & (self._used(len(pressure)) | (forces > 0.0))
-        return np.divide(sums, counts, out=pressure.copy(), where=filled)
-
-    def _used(self, count: int) -> NDArray[np.bool_]:
-        """Whether a vertex has faces that touch, which then alone count (count,)."""
-        used = np.zeros(count, dtype=bool)
-        used[self._faces[self._touching]] = True
-        return used
-
-    def _by_vertex(self, values: Floats, count: int) -> Floats:
-        """Sums of what the nodes of faces have (m, k), of the faces that count for them (count,)."""
-        sums = np.zeros(count)
-        counts = self._used(count)[self._faces] == self._touching[:, None]
-        np.add.at(sums, self._faces[counts], np.broadcast_to(values, self._faces.shape)[counts])
+    def _sums(self, values: Floats) -> Floats:
+        """By vertex, of what the nodes of faces have (m, k), of the faces that count for them."""
+        sums = np.zeros(len(self._is_touched))
+        np.add.at(sums, self._faces[self._counts], np.broadcast_to(values, self._faces.shape)[self._counts])
         return sums

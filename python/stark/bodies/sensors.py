@@ -238,11 +238,10 @@ class ContactSensors(BodyHandle):
         forces = np.linalg.norm(contacts._spread(contacts.normal_forces, len(self.positions)), axis=1)
         patches = self._flat_patches(contacts)
         touching = self._touching(contacts, patches)
-        shares = VertexShares(self.mesh, self.triangles, self._triangle_areas(), touching)
-        lent, area = shares.lend(forces), shares.areas(len(forces))
-        pressure = shares.fill(np.divide(lent, area, out=np.zeros_like(lent), where=area > 0.0), forces)
+        shares = VertexShares(self.mesh, self.triangles, self._triangle_areas(), touching, len(forces))
+        pressure = shares.pressure(forces)
         for patch in patches:
-            pressure[patch] = forces[patch].sum() / area[patch].sum()
+            pressure[patch] = shares.mean_pressure(forces, patch)
         return pressure
 
     def _touching(self, contacts: Contacts, patches: list[Ints]) -> NDArray[np.bool_]:

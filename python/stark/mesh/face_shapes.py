@@ -55,14 +55,11 @@ def face_nodes(mesh: Mesh | Polyline, triangles: Indices) -> Indices | None:
     return nodes
 
 
-def boundary_faces(mesh: Mesh | Polyline) -> Indices | None:
-    """Nodes (m, 4, 6 or 9) of all faces of the surface, in the order of its triangles; None where it cuts
-    none."""
+def uncut_faces(mesh: Mesh | Polyline, surface: Indices) -> Indices | None:
+    """Nodes (m, 4, 6 or 9) of all faces of the mesh's surface, given by its triangles and in their order;
+    None where these are cut from nothing."""
     cut = cut_faces(mesh)
-    if cut is None:
-        return None
-    assert isinstance(mesh, SolidMesh)
-    return _nodes_of(mesh.surface_triangles().reshape(-1, cut, 3))
+    return None if cut is None else _nodes_of(surface.reshape(-1, cut, 3))
 
 
 @cache

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stark
-from stark.mesh.face_shapes import boundary_faces, face_nodes, face_shares, shape_functions
+from stark.mesh.face_shapes import face_nodes, face_shares, shape_functions, uncut_faces
 
 
 @pytest.mark.parametrize(
@@ -26,14 +26,16 @@ def test_faces_of_a_surface_have_its_nodes_and_their_places(quadratic: bool) -> 
     mesh = stark.mesh.box_hexahedra(0.2, 2)
     if quadratic:
         mesh = stark.mesh.to_quadratic(mesh)
-    faces = boundary_faces(mesh)
+    surface = mesh.surface_triangles()
+    faces = uncut_faces(mesh, surface)
     assert faces is not None and len(faces) == 24
-    np.testing.assert_array_equal(faces, face_nodes(mesh, mesh.surface_triangles()))
+    np.testing.assert_array_equal(faces, face_nodes(mesh, surface))
     middles = shape_functions(faces.shape[1], 0.5, 0.5)[0] @ mesh.vertices[faces]
     assert np.allclose(np.abs(middles).max(axis=1), 0.1)  # on the box
     assert len(np.unique(middles.round(9), axis=0)) == 24
 
 
 def test_surfaces_of_triangles_are_cut_from_nothing() -> None:
-    assert boundary_faces(stark.mesh.tet_box(0.2, 1)) is None
-    assert boundary_faces(stark.mesh.grid(1.0, 1.0, 2)) is None
+    block, sheet = stark.mesh.tet_box(0.2, 1), stark.mesh.grid(1.0, 1.0, 2)
+    assert uncut_faces(block, block.surface_triangles()) is None
+    assert uncut_faces(sheet, sheet.triangles) is None
