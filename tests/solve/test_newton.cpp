@@ -14,13 +14,10 @@ using namespace stark::test;
 
 namespace {
 
-/// x^4: each Newton step leaves two thirds of the way; directions of the Hessian before contract by less.
-Analytic::Value quartic(const Vec3& p) {
-  Analytic::Value v;
-  v.energy = std::pow(p.x, 4.0) + p.y * p.y + p.z * p.z;
-  v.gradient = {4.0 * std::pow(p.x, 3.0), 2.0 * p.y, 2.0 * p.z};
-  v.hessian = v.projected = Mat3::diagonal({12.0 * p.x * p.x, 2.0, 2.0});
-  return v;
+/// A parabola along x whose Hessian is too soft: each step goes two thirds of the way too far.
+Analytic::Value soft(const Vec3& p) {
+  const Mat3 H = Mat3::diagonal({0.6, 1.0, 1.0});
+  return {0.5 * dot(p, p), p, H, H};
 }
 
 }  // namespace
@@ -97,7 +94,7 @@ TEST_CASE("where the last Hessian is good enough, convergence is found without a
 }
 
 TEST_CASE("where it contracts too little, the Hessian is formed anew and the minimum is the same") {
-  Analytic objective(quartic, {1.0, 0.2, -0.1});
+  Analytic objective(soft, {1.0, 0.2, -0.1});
   const NewtonSettings settings{
       .acceleration_tolerance = 1e-1, .residual_tolerance = 0.0, .step_tolerance = 1e-3};
   Solver solver(settings);
@@ -105,8 +102,8 @@ TEST_CASE("where it contracts too little, the Hessian is formed anew and the min
   CHECK(report.status == SolveStatus::Converged);
   CHECK(objective.gradients > 0);
   CHECK(objective.linearizations >= report.iterations);
-  // The motion that was left at the end bounds the distance: x / 3 < 1e-3.
-  CHECK(std::fabs(objective.x.x) < 3e-3);
+  // The motion that was left at the end bounds the distance: x / 0.6 < 1e-3.
+  CHECK(std::fabs(objective.x.x) < 6e-4);
 }
 
 TEST_CASE("after a refresh of lagged quantities the last Hessian serves once more") {
@@ -380,6 +377,47 @@ TEST_CASE("the last step does not leave more force than the tolerances allow") {
   CHECK(harmless.taken_back == 0);
 }
 
+TEST_CASE(
+    "full steps into a barrier that is hardly touched are lengthened, as it takes them half of the way") {
+  // Depth below a contact distance of 1: the energy of a barrier near it, and a weight that it carries.
+  const double weight = 1e-9;
+  Analytic objective(
+      [&](const Vec3& x) {
+        const double depth = std::max(0.0, x.x);
+        const Mat3 H = Mat3::diagonal({6.0 * depth + 1e-6, 1.0, 1.0});
+        return Analytic::Value{
+            depth * depth * depth - weight * x.x, {3.0 * depth * depth - weight, 0, 0}, H, H};
+      },
+      {1.0, 0, 0});
+  NewtonSettings settings = tight();
+  settings.residual_tolerance = 1e-3 * weight;
+  const SolveReport report = Solver(settings).minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(objective.x.x == doctest::Approx(std::sqrt(weight / 3.0)).epsilon(1e-3));
+  CHECK(report.iterations <= 12);  // full steps alone halve the depth, and take 20
+}
+
+TEST_CASE("a shortened step that met nothing goes on to what the longer one met") {
+  // A slope down to a stiff spring, which the Hessian knows nothing of before it is touched at 0.9.
+  const auto bumper = [](const Vec3& x) {
+    const double depth = std::max(0.0, x.x - 0.9);
+    const Mat3 H = Mat3::diagonal({1.0 + (depth > 0.0 ? 1e6 : 0.0), 1.0, 1.0});
+    return Analytic::Value{
+        0.5 * (x.x - 1.3) * (x.x - 1.3) + 0.5e6 * depth * depth, {x.x - 1.3 + 1e6 * depth, 0, 0}, H, H};
+  };
+  Analytic objective(bumper, {0, 0, 0});
+  NewtonSettings settings = tight();
+  settings.max_iterations = 1;
+  Solver solver(settings);
+  CHECK(solver.minimize(objective).backtracks > 0);
+  // Half of the step ends at 0.65; a sixteenth of that before the spring, or in it.
+  CHECK(objective.x.x > 0.9 - 1.3 / 16.0);
+  settings.max_iterations = 100;
+  objective.x = {};
+  CHECK(Solver(settings).minimize(objective).status == SolveStatus::Converged);
+  CHECK(objective.x.x == doctest::Approx(0.9 + 0.4 / 1e6).epsilon(1e-6));
+}
+
 TEST_CASE("a full step that fits its model is not lengthened") {
   Analytic objective(cosh_sum, {2.0, -1.5, 1.0});
   Solver solver(tight());
@@ -409,7 +447,7 @@ TEST_CASE("refreshes that move the minimum to and fro end soon") {
   CHECK(report.status == SolveStatus::Converged);
   CHECK(objective.refreshed_early >= 2);
   CHECK(objective.refreshed_early <= 3);
-  CHECK(report.iterations <= 4);
+  CHECK(report.iterations <= 5);
 }
 
 TEST_CASE("where the way is not clear, nothing is refreshed any more") {
@@ -428,8 +466,8 @@ TEST_CASE("where the way is not clear, nothing is refreshed any more") {
 }
 
 TEST_CASE("iterates that go around something end before they converge") {
-  // x^4 takes more than 20 iterations; the way is looked at after 8, 12, 16, ...
-  Analytic objective(quartic, {5, -7, 11});
+  // It takes more than 20 iterations; the way is looked at after 8, 12, 16, ...
+  Analytic objective(soft, {5, -7, 11});
   Solver solver(tight());
   std::vector<bool> is_clear;
   size_t asked = 0;

@@ -14,10 +14,13 @@ constexpr double kEnergyRounding = 1e-15;  ///< relative rounding of a sum of el
 constexpr double kNoiseRise = 1e3;         ///< rise over the noise that may be rounding where steps are tiny
 constexpr int kRoundingProbe = 10;         ///< halvings after which the energy shows whether it is rounding
 constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
-constexpr double kTooStiff =
-    0.85;  ///< share of the slope that a full step gains, above which it is too short
+/// Share of the slope that a full step gains, above which it is too short: half where the model fits, 7/12
+/// where the energy is the cube of a depth, as that of a barrier is that is hardly touched.
+constexpr double kTooShort = 0.56;
 constexpr double kStillFalling = 0.5;  ///< share of it along longer steps, above which they go on
 constexpr double kLengthening = 2.0, kLongestStep = 32.0;  ///< of full steps that are too short
+constexpr double kUnbent = 0.95;  ///< part of what the model promises that a step gains which met nothing new
+constexpr int kNearerTrials = 4;  ///< between such a step and the longer one that was refused
 
 }  // namespace
 
@@ -45,6 +48,7 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
       report_.last_step_length = alpha;
       report_.last_difference = trial.difference;
       if (!pending && !is_below_noise && alpha == 1.0) lengthen_step(objective, trial);
+      if (!pending && !is_below_noise && k > 0) step_nearer(objective, alpha, trial);
       objective.accept_trial();
       return is_below_noise ? SolveStatus::RoundOff : SolveStatus::Converged;
     }
@@ -63,11 +67,12 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
   return SolveStatus::LineSearchFailed;
 }
 
-// Of a quadratic model that fits, a full step gains half of what its slope promises. One that gains nearly
-// all of it stops far from the minimum along the direction: the matrix, projected as a rule, is too stiff.
+// Of a quadratic model that fits, a full step gains half of what its slope promises. One that gains more
+// stops before the minimum along the direction: the matrix, projected as a rule, is too stiff, or a barrier
+// fades on the way.
 void NewtonSolver::lengthen_step(Objective& objective, TrialEnergy full) {
   double best = full.difference, longest = 1.0;
-  if (best > kTooStiff * slope()) return;
+  if (best > kTooShort * slope()) return;
   while (longest < kLongestStep) {
     const double wish = kLengthening * longest;
     const double alpha = objective.bound_step(direction_, settings_.max_rotation, wish);
@@ -85,6 +90,29 @@ void NewtonSolver::lengthen_step(Objective& objective, TrialEnergy full) {
   }
   if (longest > 1.0) report_.last_step_length = longest;
   objective.try_step(direction_, longest);
+}
+
+// A step that gains all that the model promises, where one of twice its length is refused, ends before what
+// refuses the longer one: a contact, as a rule, that the matrix does not know yet. So it goes on until it
+// meets that.
+void NewtonSolver::step_nearer(Objective& objective, double alpha, TrialEnergy trial) {
+  const auto promised = [&](double share) { return slope() * share * (1.0 - 0.5 * share); };
+  if (trial.difference > kUnbent * promised(alpha)) return;
+  double best = alpha, refused = 2.0 * alpha, at = alpha;
+  for (int k = 0; k < kNearerTrials; ++k) {
+    at = 0.5 * (best + refused);
+    const TrialEnergy nearer = objective.try_step(direction_, at);
+    if (!nearer.feasible || !(nearer.difference < trial.difference)) {
+      refused = at;
+      continue;
+    }
+    best = at;
+    trial = nearer;
+    if (trial.difference > kUnbent * promised(best)) break;
+  }
+  if (at != best) objective.try_step(direction_, best);
+  report_.last_step_length = best;
+  report_.last_difference = trial.difference;
 }
 
 bool NewtonSolver::take_unsure_step(Objective& objective) {

@@ -109,6 +109,8 @@ class NewtonSolver {
   SolveStatus line_search(Objective& objective);
   /// Goes beyond the full step, whose trial is known, as long as the energy keeps falling.
   void lengthen_step(Objective& objective, TrialEnergy full);
+  /// Goes nearer to the longer step that was refused, where the accepted one met nothing on its way.
+  void step_nearer(Objective& objective, double alpha, TrialEnergy trial);
   /// A full step on the basis of the gradient alone, where energies do not show the decrease.
   bool take_unsure_step(Objective& objective);
   /// Whether the iterate after a step is so near that the next direction may do without a new Hessian.
