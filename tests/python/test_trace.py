@@ -27,7 +27,7 @@ def test_every_iteration_has_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert all(math.isfinite(row["motion"]) and row["residual"] >= 0.0 for row in rows)
     # Where a full step ends a minimisation, the quadratic model was right. That of friction is none of its
     # energy (theory, eq. 20d).
-    rows = tool.trace("stack", {"contact.friction": False}, 0.2, None)
+    rows = tool.trace("stack", {"contact.friction": False}, 0.3, None)
     ends = [a for a, b in itertools.pairwise(rows) if a["step"] != b["step"] and a["motion"] > 1e-6]
     assert len(ends) >= 4
     assert all(row["gain"] == pytest.approx(1.0, abs=0.05) for row in ends if row["length"] == 1.0)

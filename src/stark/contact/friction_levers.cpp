@@ -54,7 +54,13 @@ FrictionLevers::FrictionLevers(const SurfaceMesh& mesh, std::vector<LeverSite> s
   if (sites_.empty()) return;
   std::ranges::sort(sites_, {}, [](const LeverSite& s) { return std::pair(s.vertex, s.triangle); });
   borders_ = SurfaceCells(mesh, patch_);
-  for (const LeverSite& s : sites_) corners_[s.triangle].push_back(s.vertex);
+  std::map<int32_t, int32_t> known;  // by triangle
+  for (const LeverSite& s : sites_) {
+    const auto [face, is_new] = known.try_emplace(s.triangle, static_cast<int32_t>(faces_.size()));
+    if (is_new) faces_.push_back({s.triangle, {}});
+    faces_[face->second].corners.push_back(s.vertex);
+    face_of_.push_back(face->second);
+  }
 }
 
 LeverArm FrictionLevers::flattest(const SurfaceMesh& mesh, int32_t vertex, const Vec3& normal,
@@ -118,11 +124,11 @@ void FrictionLevers::visit_faces(const SurfaceMesh& mesh, std::span<const int32_
                                  std::span<const Vec3> x, const Visit& visit) const {
   for (auto s = std::ranges::lower_bound(sites_, vertices[0], {}, &LeverSite::vertex);
        s != sites_.end() && s->vertex == vertices[0]; ++s) {
-    const Vec3 normal = normal_of(mesh.triangles[s->triangle], x);
-    if (!(std::fabs(dot(normal, gap)) > kUpright)) continue;
-    const std::vector<int32_t>& corners = corners_.at(s->triangle);
-    const auto is_corner = [&](int32_t v) { return std::ranges::count(corners, v) > 0; };
-    if (std::ranges::all_of(vertices.subspan(1), is_corner)) visit(s->triangle, normal);
+    const Face& face = faces_[face_of_[s - sites_.begin()]];
+    const auto is_corner = [&](int32_t v) { return std::ranges::count(face.corners, v) > 0; };
+    if (!std::ranges::all_of(vertices.subspan(1), is_corner)) continue;
+    const Vec3 normal = normal_of(mesh.triangles[face.triangle], x);
+    if (std::fabs(dot(normal, gap)) > kUpright) visit(face, normal);
   }
 }
 
@@ -130,12 +136,12 @@ FrictionLevers::Flat FrictionLevers::flattest_pair(const SurfaceMesh& mesh, std:
                                                    std::span<const int32_t> of_b, const Vec3& gap,
                                                    std::span<const Vec3> x) const {
   Flat best;
-  visit_faces(mesh, of_a, gap, x, [&](int32_t a, const Vec3& normal_a) {
-    visit_faces(mesh, of_b, gap, x, [&](int32_t b, const Vec3& normal_b) {
+  visit_faces(mesh, of_a, gap, x, [&](const Face& a, const Vec3& normal_a) {
+    visit_faces(mesh, of_b, gap, x, [&](const Face& b, const Vec3& normal_b) {
       const double level = std::fabs(dot(normal_a, normal_b)), facing = std::fabs(dot(normal_b, gap));
       const double part = smooth_step((level - kTilted) / (kLevel - kTilted)) *
                           smooth_step((facing - kBeside) / (kFacing - kBeside));
-      if (part > best.part) best = {{a, b}, part};
+      if (part > best.part) best = {{&a, &b}, part};
     });
   });
   return best;
@@ -151,16 +157,17 @@ std::optional<SharedPlace> FrictionLevers::shared_place(const SurfaceMesh& mesh,
   const Vec3 gap = gap_vector(contact, x);
   const Flat flat = flattest_pair(mesh, of_a, of_b, normalized(gap), x);
   if (flat.part == 0.0) return {};
-  const auto corners_of = [&](int32_t triangle) {
+  const auto corners_of = [&](const Face& face) {
     std::vector<Vec3> corners;
-    for (const int32_t v : corners_.at(triangle)) corners.push_back(x[v]);
+    for (const int32_t v : face.corners) corners.push_back(x[v]);
     return corners;
   };
-  const Index3 &face = mesh.triangles[flat.triangles[0]], &carrier = mesh.triangles[flat.triangles[1]];
+  const Index2 triangles{flat.faces[0]->triangle, flat.faces[1]->triangle};
+  const Index3 &face = mesh.triangles[triangles[0]], &carrier = mesh.triangles[triangles[1]];
   const Vec3 outwards = normal_of(carrier, x), normal = outwards * (dot(gap, outwards) > 0.0 ? 1.0 : -1.0);
-  const auto [known, is_new] = areas.try_emplace(flat.triangles);
+  const auto [known, is_new] = areas.try_emplace(triangles);
   std::optional<PressedArea>& area = known->second;
-  if (is_new) area = find_pressed_area(corners_of(flat.triangles[0]), corners_of(flat.triangles[1]), normal);
+  if (is_new) area = find_pressed_area(corners_of(*flat.faces[0]), corners_of(*flat.faces[1]), normal);
   if (!area || area->of_smaller < kShared) return {};
   if (area->is_inside && contact.key.kind == PairKind::PointTriangle) return {};
   Vec3 point;

@@ -55,16 +55,21 @@ class FrictionLevers {
                                           std::span<const Vec3> x, PressedAreas& areas) const;
 
  private:
-  /// Two faces, by a triangle of each, and 1 where they lie flat on each other, 0 where they tilt.
+  /// A flat face, by the triangle that names it.
+  struct Face {
+    int32_t triangle = -1;
+    std::vector<int32_t> corners;
+  };
+  /// Two faces, and 1 where they lie flat on each other, 0 where they tilt.
   struct Flat {
-    Index2 triangles{-1, -1};
+    std::array<const Face*, 2> faces{};
     double part = 0.0;
   };
   /// Of those that have these vertices the two that lie flattest on each other, across a gap of this
   /// direction.
   Flat flattest_pair(const SurfaceMesh& mesh, std::span<const int32_t> of_a, std::span<const int32_t> of_b,
                      const Vec3& gap, std::span<const Vec3> x) const;
-  /// Calls visit(triangle, normal) for the faces that have all these vertices and lie across the gap.
+  /// Calls visit(face, normal) for the faces that have all these vertices and lie across the gap.
   template <class Visit>
   void visit_faces(const SurfaceMesh& mesh, std::span<const int32_t> vertices, const Vec3& gap,
                    std::span<const Vec3> x, const Visit& visit) const;
@@ -75,8 +80,9 @@ class FrictionLevers {
   double part_within(int32_t triangle, const Vec3& normal, const Vec3& from, const Vec3& to,
                      std::span<const Vec3> x) const;
 
-  std::vector<LeverSite> sites_;                     ///< by vertex
-  std::map<int32_t, std::vector<int32_t>> corners_;  ///< of the faces, by their triangles
+  std::vector<LeverSite> sites_;  ///< by vertex
+  std::vector<Face> faces_;
+  std::vector<int32_t> face_of_;  ///< [site] -> index into faces_
   std::vector<int32_t> patch_;
   SurfaceCells borders_;  ///< of flat faces
 };

@@ -15,7 +15,13 @@ using Polygon = std::vector<Point>;  ///< convex, counterclockwise
 
 Point operator-(const Point& a, const Point& b) { return {a.u - b.u, a.v - b.v}; }
 double cross(const Point& a, const Point& b) { return a.u * b.v - a.v * b.u; }
-double length(const Point& a) { return std::hypot(a.u, a.v); }
+double length(const Point& a) { return std::sqrt(a.u * a.u + a.v * a.v); }
+
+/// Grows with the angle to the first axis, from -2 to 2.
+double turn_of(const Point& a) {
+  const double sum = std::fabs(a.u) + std::fabs(a.v);
+  return sum > 0.0 ? std::copysign(1.0 - a.u / sum, a.v) : 0.0;
+}
 
 /// Part of its size by which a face may miss being convex, or a corner being at a border.
 constexpr double kRounding = 1e-9;
@@ -51,7 +57,7 @@ Polygon polygon_of(std::span<const Vec3> corners, const Plane& plane) {
     mean.u += polygon.back().u / static_cast<double>(corners.size());
     mean.v += polygon.back().v / static_cast<double>(corners.size());
   }
-  std::ranges::sort(polygon, {}, [&](const Point& p) { return std::atan2(p.v - mean.v, p.u - mean.u); });
+  std::ranges::sort(polygon, {}, [&](const Point& p) { return turn_of(p - mean); });
   const double size = size_of(polygon);
   const size_t n = polygon.size();
   for (size_t k = 0; k < n; ++k) {
