@@ -77,6 +77,25 @@ TEST_CASE("the force of a contact is the pressure on its area") {
   }
 }
 
+TEST_CASE("all contacts of a vertex with a body have the same part of a spent layer") {
+  // One that faces another way leaves the layer to all: what counts twice is taken away by terms of opposite
+  // sign, and energies with other factors would not cancel.
+  Sheets sheets({{100.0}, {100.0}});
+  std::vector<Vec3>& x = sheets.builder.x;
+  const auto stiffness = [&](bool beside) {
+    sheets.law.begin_step({}, {{group_code(0, 1), SpentLayer{0.05, {0, 0, -1}}}});
+    std::vector<Contact> contacts{sheets.middle(0.02), sheets.middle(0.02)};
+    contacts[1].key.second = 1;
+    contacts[1].sites[1] = 38;
+    x[37] = x[12] + Vec3{0, 0, 0.02};
+    x[38] = x[12] + (beside ? Vec3{0.02, 0, 0} : Vec3{0.001, 0, 0.02});
+    sheets.law.assign(sheets.builder.surface, x, contacts);
+    CHECK(contacts[0].stiffness == contacts[1].stiffness);
+    return contacts[0].stiffness;
+  };
+  CHECK(stiffness(false) == doctest::Approx(0.05 * stiffness(true)));
+}
+
 TEST_CASE("a load that lasts makes contact stiffer, an impact does not") {
   Sheets sheets({{100.0}, {100.0}});
   const int64_t code = group_code(0, 1);

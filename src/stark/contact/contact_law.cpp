@@ -81,19 +81,24 @@ void ContactLaw::begin_step(LoadMemory memory, std::map<int64_t, SpentLayer> spe
 }
 
 double ContactLaw::left(const Contact& contact) const {
-  const auto found = left_.find(contact.key);
+  const auto found = left_.find(area_code(contact));
   return found == left_.end() ? 1.0 : found->second;
 }
 
 void ContactLaw::freeze_left(std::span<const Vec3> x, const std::vector<Contact>& contacts) {
   if (spent_.empty()) return;
+  std::map<int64_t, double> met;
   for (const Contact& contact : contacts) {
     const auto layer = spent_.find(code_of(contact));
-    if (layer == spent_.end() || left_.contains(contact.key)) continue;
+    if (layer == spent_.end()) continue;
+    const int64_t code = area_code(contact);
+    if (left_.contains(code)) continue;
     const double side = side_of_first(contact, layer->first);
     const double along = dot(normalized(gap_vector(contact, x)), layer->second.normal) * side;
-    left_[contact.key] = along > kFacing * norm(layer->second.normal) ? layer->second.stiffness : 1.0;
+    double& left = met[code];
+    left = std::max(left, along > kFacing * norm(layer->second.normal) ? layer->second.stiffness : 1.0);
   }
+  left_.merge(met);
 }
 
 double ContactLaw::pressure(int32_t group_a, int32_t group_b) const {

@@ -91,7 +91,9 @@ class ContactLaw {
   std::map<int64_t, double> wanted(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
   /// Part of its stiffness that an impact has left a contact.
   double left(const Contact& contact) const;
-  /// Decides it for the rest of the step, by the direction in which the contact is met first.
+  /// Decides it for the rest of the step, by the directions in which a vertex meets a body first, or two
+  /// edges each other: where one of them is not that of the impact nothing is spent, so that the terms of
+  /// theory eq. 16c have one factor.
   void freeze_left(std::span<const Vec3> x, const std::vector<Contact>& contacts);
   void freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x, const std::vector<Contact>& contacts);
 
@@ -100,7 +102,7 @@ class ContactLaw {
   std::vector<double> distance_;
   LoadMemory memory_;
   std::map<int64_t, SpentLayer> spent_;
-  std::map<PairKey, double> left_;              ///< of contacts of bodies in spent_
+  std::map<int64_t, double> left_;              ///< of contacts of bodies in spent_, as frozen_
   std::unordered_map<int64_t, double> frozen_;  ///< areas of pairs of edges, or of a vertex and a body [m^2]
 };
 
