@@ -6,10 +6,11 @@ from __future__ import annotations
 
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import UNBOUNDED
-from stark.symbolic.linear_algebra import cross, normalized
+from stark.symbolic.linear_algebra import cross, dot, normalized
 from stark.symbolic.tensor import Mat, Scalar, Vec, columns
 
 _AXES = ("x", "y", "z")
+_TERMS = 10  # of the series of angle / sin(angle)
 
 
 class Frame:
@@ -71,12 +72,28 @@ class Frame:
     @property
     def angular_velocity(self) -> Vec:
         """sin(angle of rotation in the time step) / h about its axis [rad/s]: the angular velocity up to
-        second order in the step."""
+        second order in the step. ``turn / h`` is closer."""
+        return self._twice_sine() / (2.0 * self._inputs.time_step)
+
+    @property
+    def turn(self) -> Vec:
+        """Rotation vector of the time step [rad]: angle times axis, exact to 10⁻⁹ up to 0.6 rad and to 10⁻⁶
+        up to 1 rad, smooth and too short beyond."""
+        now, before = self.axes, self.axes_prev
+        cosine = 0.5 * (sum(dot(before.column(i), now.column(i)) for i in range(3)) - 1.0)
+        square = 0.5 * (1.0 - cosine)  # sin(angle / 2)^2
+        ratio = 1.0  # angle / sin(angle) = 1 + 2/3 square (1 + 4/5 square (1 + 6/7 square (...)))
+        for n in range(_TERMS, 0, -1):
+            ratio = 1.0 + (2 * n) / (2 * n + 1) * square * ratio
+        return 0.5 * ratio * self._twice_sine()
+
+    def _twice_sine(self) -> Vec:
+        """2 sin(angle of rotation in the time step) about its axis."""
         now, before = self.axes, self.axes_prev
         total = cross(before.column(0), now.column(0))
         for i in (1, 2):
             total = total + cross(before.column(i), now.column(i))
-        return total / (2.0 * self._inputs.time_step)
+        return total
 
     def point(self, local: object) -> Vec:
         """Position of the point with these coordinates in the frame [m]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stark.formulas import Frame, Point, TimeStep, Triangle, Vec3, energy, parameter
+from stark.formulas import Frame, Point, Triangle, Vec3, energy, parameter
 from stark.symbolic import Scalar, cross, dot
 
 
@@ -26,8 +26,8 @@ def force(p: Point, force: Vec3 = parameter(unit="N", doc="force on each point")
 @energy
 def torque(
     f: Frame,
-    h: TimeStep,
     torque: Vec3 = parameter(unit="N m", doc="torque on the body"),
 ) -> Scalar:
-    """A torque that keeps its direction, as minus the work that it does in a step."""
-    return -h * dot(torque, f.angular_velocity)
+    """A torque that keeps its direction, as minus the work that it does in a step: exact
+    for turns about its axis up to 1 rad."""
+    return -dot(torque, f.turn)

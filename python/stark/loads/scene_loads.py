@@ -190,7 +190,8 @@ class SceneLoads(SceneLink):
         name: str | None = None,
     ) -> Energy:
         """A torque (3,) [N m] that keeps its direction in the world, on a rigid body or a frame.
-        ``handle.torque`` may change at any time."""
+        ``handle.torque`` may change at any time. It is exact where the body turns about it, by up to 1 rad in
+        a step; of a turn about another axis it lags behind by half."""
         from stark.loads import formulas
 
         load = self.add(formulas.torque(body, torque=at_start(torque, "torque")), name=name)

@@ -152,3 +152,25 @@ def test_refused_frames() -> None:
         with pytest.raises(InvalidArgument, match=words):
             refused()
     assert len(scene.energies) == 0
+
+
+@pytest.mark.parametrize(("angle", "tolerance"), [(0.023, 1e-13), (0.6, 1e-9), (1.0, 1e-6)])
+def test_the_turn_of_a_frame_is_the_rotation_vector_of_the_step(angle: float, tolerance: float) -> None:
+    @stark.energy
+    def component(f: stark.Frame, axis: stark.Vec3):
+        return f.turn @ axis
+
+    scene = stark.Scene()
+    axis = np.array([2.0, -2.0, 1.0]) / 3.0
+    start = stark.rotation(axis=(1.0, 2.0, 0.5), angle=0.7)
+    box = scene.add_box(size=0.1, mass=1e6, rotation=start, angular_velocity=angle / H * axis)
+    parts = [scene.add(component(box, axis=axis)) for axis in np.eye(3)]
+    sim = stark.Simulation(scene, time_step=H, **NO_GRAVITY)
+    assert not sim.step().failed
+    turn = box.rotation @ start.T  # (I + turn)^-1 (turn - I) has tan(angle / 2) about the axis
+    cayley = np.linalg.solve(np.eye(3) + turn, turn - np.eye(3))
+    tangent = np.array([cayley[2, 1], cayley[0, 2], cayley[1, 0]])
+    size = np.linalg.norm(tangent)
+    assert 2.0 * np.arctan(size) == pytest.approx(angle, rel=0.2)
+    expected = 2.0 * np.arctan(size) / size * tangent
+    np.testing.assert_allclose([p.energy for p in parts], expected, rtol=tolerance)

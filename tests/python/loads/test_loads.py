@@ -142,6 +142,32 @@ def test_a_force_beside_the_centre_and_a_torque_turn_alike() -> None:
     assert b.angular_velocity == pytest.approx((0, 0, expected), rel=1e-3, abs=1e-9)
 
 
+@pytest.mark.parametrize("step", [0.01, 0.02])
+def test_a_torque_accelerates_a_wheel_as_long_as_it_acts(step: float) -> None:
+    """w = M t/I, also where the wheel turns by 0.8 rad in a step."""
+    scene = stark.Scene()
+    wheel = scene.add_box(0.1, mass=6.0)
+    scene.add_torque(wheel, (0, 0, 1.0))
+    sim = stark.Simulation(scene, time_step=step, gravity=(0, 0, 0))
+    sim.run_until(0.4)
+    assert wheel.angular_velocity == pytest.approx((0, 0, 0.4 / wheel.inertia[2, 2]), rel=1e-7, abs=1e-9)
+
+
+def test_a_torque_at_its_end_bends_a_rod_to_a_half_circle() -> None:
+    """In steps of 45 degrees: the tip goes to (0, 2 L/pi), and the clamp holds the torque."""
+    stuff = stark.RodMaterial(density=1000.0, youngs_modulus=1e7, poissons_ratio=0.0, radius=0.01)
+    scene = stark.Scene()
+    rod = scene.add_rod(stark.mesh.polyline((0, 0, 0), (1, 0, 0), 40), stuff, clamps=[0], self_contact=False)
+    load = scene.add_torque(rod.frame(-1), (0, 0, 0))
+    sim = stark.Simulation(scene, time_step=1.0, gravity=(0, 0, 0), time={"integrator": "quasistatic"})
+    full = np.pi * stuff.section["bending_stiffness_1"]
+    for share in (0.25, 0.5, 0.75, 1.0):
+        load.torque = (0, 0, share * full)
+        assert not sim.step().failed
+    assert rod.positions[-1] == pytest.approx((0.0, 2.0 / np.pi, 0.0), abs=1e-3)
+    assert rod.clamp_torques[0] == pytest.approx((0, 0, -full), abs=1e-4 * full)
+
+
 def test_wrong_loads_are_refused() -> None:
     scene = stark.Scene()
     cloth, box = balloon(scene), scene.add_box(0.1, mass=1.0, position=(1, 0, 0))
