@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include <stark/base/rotation.h>
@@ -24,6 +25,13 @@ const char* unit_of(ResidualUnit unit) { return unit == ResidualUnit::Length ? "
 
 /// Residual over its tolerance between steps: rounding of what moves as one.
 constexpr double kRounding = 1.001;
+
+/// Stiffness over that of inertia from which on something elastic holds a body.
+constexpr double kElastic = 1.0 + 1e-6;
+/// Part of the stiffness of a deformable body that one joined to it takes: joints give way by a thousandth of
+/// what a node does, and Newton's method is not held on straight ways.
+constexpr double kShare = 0.1;
+constexpr int kPasses = 100;  ///< of handing stiffness on from body to body
 
 Vec3 vector_at(std::span<const double> numbers, int64_t first) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
@@ -60,8 +68,40 @@ SideStiffness StepJoints::stiffness_of(const JointSide& side, std::span<const Ma
 void StepJoints::begin(std::span<const Mat3> diagonal) {
   std::vector<SideStiffness> sides;
   for (const JointSide& side : model_.joint_sides()) sides.push_back(stiffness_of(side, diagonal));
+  if (!has_inertia(settings_.time.integrator)) share_stiffness(sides);
   energies_.constraints.begin_step(state_.joint_multiplier, sides, acting(),
                                    joint_tolerance(settings_.joints));
+}
+
+void StepJoints::share_stiffness(std::vector<SideStiffness>& sides) const {
+  constexpr double SideStiffness::* kParts[] = {&SideStiffness::translation, &SideStiffness::rotation};
+  const std::span<const JointSide> places = model_.joint_sides();
+  const double inverse_h2 = 1.0 / (settings_.time.step * settings_.time.step);
+  const std::vector<double> acts = acting();
+  const auto is_held_otherwise = [&](size_t s) {
+    return places[s].blocks.size() != 1 || places[s].rotation_block == kNoBlock ||
+           sides[s].translation > kElastic * places[s].mass * inverse_h2;
+  };
+  std::vector<size_t> alone;  // sides that nothing but joints holds
+  std::vector<double> share(sides.size(), kShare);
+  for (size_t s = 0; s < sides.size(); ++s)
+    if (!is_held_otherwise(s)) {
+      share[s] = 1.0;
+      if (acts[s / 2] != 0.0) alone.push_back(s);
+    }
+  std::map<int32_t, SideStiffness> bodies;  // by their first block
+  bool has_changed = !alone.empty();
+  for (int pass = 0; has_changed && pass < kPasses; ++pass) {
+    has_changed = false;
+    for (const size_t s : alone) {
+      SideStiffness& body = bodies[places[s].blocks.front()];
+      for (double SideStiffness::* part : kParts) {
+        const double most = std::max({body.*part, sides[s].*part, share[s ^ 1] * sides[s ^ 1].*part});
+        has_changed = has_changed || most > body.*part || most > sides[s].*part;
+        body.*part = sides[s].*part = most;
+      }
+    }
+  }
 }
 
 void StepJoints::release() {

@@ -53,6 +53,9 @@ class StepJoints : private StepPart {
  private:
   /// How firmly a side resists, by the diagonal of the Hessian at the start of the step.
   SideStiffness stiffness_of(const JointSide& side, std::span<const Mat3> diagonal) const;
+  /// Gives bodies that joints alone hold the stiffness of what they are joined to: without inertia they have
+  /// none of their own.
+  void share_stiffness(std::vector<SideStiffness>& sides) const;
   /// 1 for each joint, then for each actuator, then for each pair of attachments, that acts; actuators of
   /// released joints rest.
   std::vector<double> acting() const;

@@ -26,6 +26,9 @@ constexpr double kNear = 5.0;     ///< motions over their tolerance from where t
 constexpr double kWorthGuessing = 10.0;  ///< motions over their tolerance from which a guess is worth it
 constexpr double kPushed = 1e-4;      ///< rise of contact energy over the gain of a guess that hits something
 constexpr double kStandstill = 0.01;  ///< motions over their tolerance that move next to nothing
+constexpr double kStaticShare = 1e-3;  ///< of the way of static minimisations, for the next motion to be less
+constexpr double kStaticRounding = 1e-10;  ///< of the extent of the objective, for motions that are nothing
+constexpr int kStaticPatience = 12;  ///< iterations of static minimisations for that share, beyond tolerances
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
 constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.05;  ///< relative residuals of linear solves
@@ -38,6 +41,14 @@ constexpr std::chrono::milliseconds kLongPart{
 
 bool all_finite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+/// Diagonal of the box around all blocks [m].
+double extent_of(std::span<const Vec3> positions) {
+  Vec3 low = positions.empty() ? Vec3{} : positions.front(), high = low;
+  for (const Vec3& p : positions)
+    for (size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
+  return norm(high - low);
 }
 
 double dot(std::span<const double> a, std::span<const double> b) {
@@ -63,6 +74,7 @@ void NewtonSolver::start(const Objective& objective, double time_step) {
   time_step_ = time_step;
   report_ = {};
   progress_ = {.settled = {}, .unsure_steps_left = kUnsureSteps};
+  if (is_static_) progress_.static_rounding = kStaticRounding * extent_of(objective.block_positions());
   const size_t n = 3 * static_cast<size_t>(objective.block_count());
   gradient_.assign(n, 0.0);
   direction_.assign(n, 0.0);
@@ -107,6 +119,7 @@ std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
   const SolveStatus searched = line_search(objective);
   if (searched == SolveStatus::Interrupted) return searched;
   trust_hessian(searched, pending);
+  progress_.way += report_.last_step_length * report_.last_motion;
   const bool is_last = converged && !is_cut_short(searched);
   if (!is_last) ++report_.iterations;
   if (searched == SolveStatus::RoundOff) ++progress_.round_off_steps;
@@ -261,7 +274,7 @@ bool NewtonSolver::find_simplified_direction(Objective& objective) {
   report_.last_motion = objective.motion(direction_);
   const bool is_trusted = report_.last_motion <= progress_.simplified_limit && slope() <= 0.0;
   report_.last_motion /= 1.0 - kContraction;
-  return is_trusted && meets_tolerances(report_);
+  return is_trusted && meets_tolerances(report_) && is_short();
 }
 
 std::optional<SolveStatus> NewtonSolver::find_direction(Objective& objective) {
@@ -407,12 +420,23 @@ double NewtonSolver::useful_tolerance() const {
   ask(settings_.residual_tolerance, report_.residual);
   ask(settings_.acceleration_tolerance, report_.acceleration);
   if (all) ask(settings_.step_tolerance * time_step_, report_.last_motion);
+  if (all && is_static_ && progress_.way > 0.0) ask(kStaticShare * progress_.way, report_.last_motion);
   return useful.value_or(0.0);
 }
 
 bool NewtonSolver::has_converged(const Objective& objective) {
   const bool may_be_rounding = progress_.round_off_steps > 0 || progress_.stands_still;
-  return meets_tolerances(report_) || (may_be_rounding && is_at_rounding(objective));
+  if (meets_tolerances(report_) && (is_short() || progress_.static_patience++ >= kStaticPatience))
+    return true;
+  return may_be_rounding && is_at_rounding(objective);
+}
+
+// Without inertia nothing relates forces to masses, nor motions to the time step: what settings tolerate may
+// be all of the load and all of its deflection.
+bool NewtonSolver::is_short() const {
+  if (!is_static_ || settings_.step_tolerance <= 0.0) return true;
+  if (report_.last_motion <= kStaticShare * progress_.way || report_.last_motion == 0.0) return true;
+  return report_.iterations > 0 && report_.last_motion <= progress_.static_rounding;
 }
 
 // Energies of stiff elements at rest are rounding, and differences of them look like a way up or down. A full

@@ -59,6 +59,9 @@ class NewtonSolver {
     int projected_left = 0;         ///< iterations for which Hessians stay projected after a failure
     int blocked_looks = 0;          ///< in a row at which the way was not clear
     int early_refreshes = 0;        ///< of lagged quantities, before anything has converged
+    int static_patience = 0;        ///< iterations that met the tolerances, but moved by too much of the way
+    double way = 0.0;               ///< sum of the motions of all steps [m]
+    double static_rounding = 0.0;   ///< motion below which static minimisations are over [m]
     bool is_hessian_exact = false;  ///< neither projected nor shifted
     bool stands_still = false;      ///< the last full step has reduced nothing
     double gradient_norm = 0.0;     ///< of the iteration before; 0: there was none
@@ -93,6 +96,8 @@ class NewtonSolver {
   bool has_converged(const Objective& objective);
   /// All tolerances times a factor.
   bool meets_tolerances(const SolveReport& report, double factor = 1.0) const;
+  /// Whether the next motion of a static minimisation is little beside those before it.
+  bool is_short() const;
   /// Whether the iterates went around something: the way from the start to them stays blocked.
   bool goes_around();
   /// Whether something stood in the way of the last direction that it has not pushed against yet.

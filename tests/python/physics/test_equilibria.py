@@ -120,3 +120,88 @@ def test_a_slack_sheet_follows_its_pins_from_a_flat_start(motion: float) -> None
 
     assert sag(False) == pytest.approx(sag(True), abs=1e-6)
     assert sag(False) < -0.1
+
+
+def bent_strip(load: float, step: float, density: float) -> tuple[float, float]:
+    """Drop [m] of the end of a strip of steel of 1 m under a load [N], and the pull of its clamp [N]."""
+    steel = stark.RodMaterial(
+        density=density, youngs_modulus=2e11, poissons_ratio=0.3, width=0.02, height=0.01
+    )
+    scene = stark.Scene()
+    strip = scene.add_rod(stark.mesh.polyline((0, 0, 0), (1, 0, 0), 20), steel, clamps=[0], normal=(0, 1, 0))
+    scene.add_force(strip.vertices[-1], (0, 0, -load))
+    sim = stark.Simulation(scene, time_step=step, gravity=(0, 0, 0), time={"integrator": "quasistatic"})
+    assert not sim.step().failed
+    return -float(strip.positions[-1, 2]), float(strip.pin_forces[:, 2].sum())
+
+
+@pytest.mark.parametrize(("step", "density"), [(1.0, 7850.0), (100.0, 1e9)])
+def test_deflections_do_not_depend_on_masses_and_the_step(step: float, density: float) -> None:
+    """P L^3 / (3 E I), of loads and deflections that dynamic steps would call nothing."""
+    stiffness = 2e11 * 0.02 * 0.01**3 / 12.0
+    for load in (1e-6, 1e-3, 1.0, 30.0):
+        drop, pull = bent_strip(load, step, density)
+        assert drop == pytest.approx(load / (3.0 * stiffness), rel=3e-3)
+        assert pull == pytest.approx(load, rel=1e-3)
+
+
+def test_a_small_load_on_a_thin_shell_is_not_stretched_by_the_line_search() -> None:
+    """An eighth of the pinched cylinder [MacNeal and Harder 1985], 600 long, radius 300, thickness 3: its
+    deflection is proportional to loads of 1 and 0.001."""
+    grid = stark.mesh.grid(1.0, 1.0, cells=32)
+    u, v = grid.vertices[:, :2].T + 0.5
+    shape = 300.0 * np.column_stack((np.sin(u * np.pi / 2), v, np.cos(u * np.pi / 2)))
+    bending = 3e6 * 27.0 / 12.0 / 0.91
+    metal = stark.ShellMaterial(
+        density=3000.0, thickness=3.0, youngs_modulus=3e6, poissons_ratio=0.3, flexural_rigidity=bending
+    )
+    drops = []
+    for load in (1.0, 1e-3):
+        scene = stark.Scene()
+        shell = scene.add_cloth(
+            stark.mesh.TriangleMesh(shape, grid.triangles), metal, rest_angles="mesh", contact_distance=1.0
+        )
+        for normal, edge in (("x", u < 1e-9), ("z", u > 1 - 1e-9), ("y", v < 1e-9)):
+            scene.add_symmetry(shell.vertices[edge], normal)
+        for normal in "xz":
+            scene.add_rollers(shell.vertices[v > 1 - 1e-9], normal)
+        pinched = np.flatnonzero((u < 1e-9) & (v < 1e-9))
+        scene.add_force(shell.vertices[pinched], (0, 0, -0.25 * load))
+        sim = stark.Simulation(scene, time_step=1.0, gravity=(0, 0, 0), time={"integrator": "quasistatic"})
+        assert not sim.step().failed
+        drops.append(float(shape[pinched[0], 2] - shell.positions[pinched[0], 2]) / load)
+    assert drops[1] == pytest.approx(drops[0], rel=2e-3)
+    assert 1.0 < drops[0] / 1.8248e-5 < 1.3, (
+        "it converges from above: 1.38, 1.25 and 1.15 at 16, 32, 48 cells"
+    )
+
+
+def quarter_ring(load: float, step: float, mass: float) -> tuple[float, float, int]:
+    """How far a ring of radius 0.5 m closes along and opens across two opposite forces, over P R^3 / (E I),
+    and the iterations of the step. Its ends are welded to boxes 1 m away, which slide."""
+    turn = np.linspace(0.0, np.pi / 2, 61)
+    places = 0.5 * np.column_stack((np.cos(turn), np.sin(turn), 0.0 * turn))
+    steel = stark.RodMaterial(density=7850.0, youngs_modulus=2e11, poissons_ratio=0.3, radius=0.005)
+    scene = stark.Scene()
+    ring = scene.add_rod(places, steel, self_contact=False)
+    for node, out in ((0, (1.0, 0.0, 0.0)), (-1, (0.0, 1.0, 0.0))):
+        box = scene.add_box(0.01, mass=mass, position=places[node] + out)
+        scene.add_slider(None, box, anchor=box.position, axis=out)
+        scene.add_fixed(box, ring.frame(node))
+    scene.add_force(ring.vertices[-1], (0.0, -load / 2, 0.0))
+    sim = stark.Simulation(scene, time_step=step, gravity=(0, 0, 0), time={"integrator": "quasistatic"})
+    report = sim.step()
+    assert not report.failed
+    unit = 0.5 * load * 0.5**3 / steel.section["bending_stiffness_1"]
+    moved = ring.positions - places
+    return -moved[-1, 1] / unit, moved[0, 0] / unit, report.newton_iterations
+
+
+@pytest.mark.parametrize(("load", "step", "mass"), [(1.0, 1.0, 0.1), (0.01, 0.01, 0.1), (0.01, 1.0, 100.0)])
+def test_joints_of_bodies_that_nothing_else_holds(load: float, step: float, mass: float) -> None:
+    """A ring between two forces [Timoshenko, Strength of materials]: of deflections of a micrometre, too, at
+    the default tolerances of joints, whatever the bodies between weigh."""
+    closing, opening, iterations = quarter_ring(load, step, mass)
+    assert closing == pytest.approx(np.pi / 4 - 2 / np.pi, rel=2e-3)
+    assert opening == pytest.approx(2 / np.pi - 0.5, rel=2e-3)
+    assert iterations < 20
