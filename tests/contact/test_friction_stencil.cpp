@@ -81,6 +81,23 @@ TEST_CASE("a force at the point of friction has neither sum nor torque") {
     }
 }
 
+TEST_CASE(
+    "the point of friction is the closest one of the side that is carried, whatever the sides are called") {
+  RandomPoints random(5);
+  for (const Contact& contact : all_contacts()) {
+    const std::vector<Vec3> x = random_sites(random);
+    const FrictionStencil s = carriers(true).stencil(mesh(), contact, x), turned = s.swapped();
+    REQUIRE(s.is_carried());
+    Vec3 a, b;  // closest points of both sides
+    for (int p = 0; p < contact.point_count; ++p)
+      (p < contact.side_a_count ? a : b) += x[contact.sites[p]] * std::fabs(contact.weights[p]);
+    CHECK(std::min(norm(s.point(x) - a), norm(s.point(x) - b)) < 1e-14);
+    CHECK(norm(turned.point(x) - s.point(x)) == 0.0);
+    const std::vector<Vec3> still(x.size());
+    CHECK(norm(turned.motion(x, still) + s.motion(x, still)) == 0.0);
+  }
+}
+
 TEST_CASE("common motions are no slip, and the motion is that of the closest points without turning") {
   RandomPoints random(4);
   for (int trial = 0; trial < 50; ++trial)

@@ -37,7 +37,10 @@ class Contacts:
     normal_forces: Array  #: (n, 3) [N]
     frictions: Array  #: (n, 3) [N]
     slips: Array  #: (n, 3) tangential velocity of the first material against the second [m/s]
-    friction_points: Array  #: (n, 3) where friction acts: of corners of flat faces, inside these [m]
+    friction_points: (
+        Array  #: (n, 3) where friction acts on the first body: of corners of flat faces, inside them [m]
+    )
+    friction_points_b: Array  #: (n, 3) on the second one: the same, but of edges of rods and soft bodies [m]
 
     def __len__(self) -> int:
         return len(self.distances)
@@ -122,7 +125,8 @@ class Contacts:
             normal_forces=-self.normal_forces,
             frictions=-self.frictions,
             slips=-self.slips,
-            friction_points=self.friction_points,
+            friction_points=self.friction_points_b,
+            friction_points_b=self.friction_points,
         )
 
 

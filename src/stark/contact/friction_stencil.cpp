@@ -47,6 +47,7 @@ void add_carrier(const Index3& triangle, const Frame& frame, const Vec3& point, 
   const Vec3 from_centre = point - frame.centre;
   const double height = dot(frame.normal, from_centre);
   double rest = side;
+  stencil.own_count = stencil.point_count;
   for (int k = 2; k >= 0; --k) {
     const double share = side * (1.0 / 3.0 + dot(frame.gradient[k], from_centre));
     const double weight = k > 0 ? share : rest;  // sums of shares are one in every bit
@@ -90,6 +91,25 @@ Vec3 FrictionStencil::motion(std::span<const Vec3> x, std::span<const Vec3> refe
     u += d * weights[p] + slopes[p] * dot(facing, d);
   }
   return u;
+}
+
+Vec3 FrictionStencil::point(std::span<const Vec3> x) const {
+  Vec3 point;
+  double side = 0.0;
+  for (int p = 0; p < own_count; ++p) {
+    point += x[sites[p]] * weights[p];
+    side += weights[p];
+  }
+  return point * (side < 0.0 ? -1.0 : 1.0);
+}
+
+FrictionStencil FrictionStencil::swapped() const {
+  FrictionStencil other = *this;
+  for (int p = 0; p < point_count; ++p) {
+    other.weights[p] = -weights[p];
+    other.slopes[p] = -slopes[p];
+  }
+  return other;
 }
 
 FrictionStencil closest_points(const Contact& contact) {

@@ -29,6 +29,12 @@ struct FrictionStencil {
   Vec3 facing;                                    ///< its unit normal, zero when nothing carries
   Vec3 shift;                                     ///< of the point from the closest one [m]
   LeverArm arm;                                   ///< that shifts it
+  int8_t own_count = 0;  ///< of the first sites, which have the point; the others carry it
+
+  bool is_carried() const { return own_count > 0; }
+  Vec3 point(std::span<const Vec3> x) const;
+  /// Of the same contact whose sides are named the other way round.
+  FrictionStencil swapped() const;
 
   Vec3 motion(std::span<const Vec3> x, std::span<const Vec3> reference) const;
 };

@@ -412,17 +412,21 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
       (p < entry.contact.side_a_count ? entry.point_a : entry.point_b) += x[site] * std::fabs(weight);
       motion += (x[site] - x_reference_[site]) * weight;
     }
-    const Vec3 n = normalized(entry.point_a - entry.point_b);
+    const Vec3 gap = entry.point_a - entry.point_b, n = normalized(gap);
+    if (c >= normal.size()) entry.contact.distance = norm(gap);  // theirs is of the start of the step
     const auto found = c < normal.size() ? frictions.find(entry.contact.key) : frictions.end();
     if (found != frictions.end()) {
       const double side = orientation(mesh(), entry.contact);
       entry.friction = found->second.force * side;
       motion = found->second.motion * side;
-      if (found->second.stencil.shift != Vec3{}) entry.friction_at = found->second.stencil;
+      const FrictionStencil& at = found->second.stencil;
+      const bool is_swapped = side * orientation(mesh(), found->second.contact) < 0.0;
+      if (at.is_carried()) entry.friction_at = is_swapped ? at.swapped() : at;
       frictions.erase(found);
     } else {
       motion += friction_.drift(entry.contact, n, x);
     }
+    entry.friction_point = entry.friction_at.is_carried() ? entry.friction_at.point(x) : entry.point_a;
     entry.slip = (motion - n * dot(n, motion)) / duration_;
   }
   add_friction_elsewhere(mesh(), frictions, result);
@@ -452,7 +456,11 @@ ContactForce ContactPipeline::beyond_reach(const RestitutionSet::LineForce& give
   }
   contact.weights = {1.0, -1.0};
   contact.distance = contact.contact_distance;
-  return {.contact = contact, .point_a = at, .point_b = at, .normal_force = given.normal * given.force};
+  return {.contact = contact,
+          .point_a = at,
+          .point_b = at,
+          .normal_force = given.normal * given.force,
+          .friction_point = at};
 }
 
 double ContactPipeline::energy() const {

@@ -54,7 +54,8 @@ struct ContactForce {
   Vec3 normal_force;      ///< on side A [N]
   Vec3 friction;          ///< on side A [N]
   Vec3 slip;              ///< tangential velocity of the material of side A against that of side B [m/s]
-  FrictionStencil friction_at{};  ///< where friction acts; without points: at the closest ones
+  FrictionStencil friction_at{};  ///< without points: at the closest ones on both sides
+  Vec3 friction_point{};          ///< on side A [m]
 };
 
 /// Surfaces within their contact distances: the smallest distance [m], infinity without any; and the two

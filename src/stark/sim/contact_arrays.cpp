@@ -23,7 +23,8 @@ ContactArrays contact_arrays(const Simulation& simulation) {
     rows.distances.push_back(contact.distance);
     rows.points_a.push_back(entry.point_a);
     rows.points_b.push_back(entry.point_b);
-    rows.friction_points.push_back(entry.point_a + entry.friction_at.shift);
+    rows.friction_points.push_back(entry.friction_point);
+    rows.friction_points_b.push_back(entry.friction_at.is_carried() ? entry.friction_point : entry.point_b);
     rows.normal_forces.push_back(entry.normal_force);
     rows.frictions.push_back(entry.friction);
     rows.slips.push_back(entry.slip);

@@ -16,7 +16,8 @@ struct ContactArrays {
   std::vector<int32_t> first_counts;           ///< so many vertices belong to the first body
   std::vector<double> distances;               ///< [m]
   std::vector<Vec3> points_a, points_b;        ///< closest points [m]
-  std::vector<Vec3> friction_points;           ///< where friction acts [m]
+  std::vector<Vec3> friction_points;           ///< where friction acts on side A [m]
+  std::vector<Vec3> friction_points_b;         ///< on side B [m]
   std::vector<Vec3> normal_forces, frictions;  ///< [N]
   std::vector<Vec3> slips;  ///< tangential velocity of the first body against the other [m/s]
 
@@ -31,6 +32,7 @@ struct ContactArrays {
     function("points_a", points_a);
     function("points_b", points_b);
     function("friction_points", friction_points);
+    function("friction_points_b", friction_points_b);
     function("normal_forces", normal_forces);
     function("frictions", frictions);
     function("slips", slips);

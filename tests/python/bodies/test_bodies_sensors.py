@@ -26,6 +26,7 @@ def pair() -> Contacts:
         frictions=np.array([[1.0, 0.0, 0.0], [0.0, -0.5, 0.0]]),
         slips=np.array([[-0.1, 0.0, 0.0], [0.0, 0.2, 0.0]]),
         friction_points=np.array([[0.0, 0.25, 0.5], [1.0, 0.0, 0.25]]),
+        friction_points_b=np.array([[0.0, 0.25, 0.5], [1.0, 0.0, 0.0]]),
     )
 
 
@@ -41,6 +42,8 @@ def test_contacts_of_the_second_body_are_turned() -> None:
     assert turned.vertices.tolist() == [[7, 8, 4, -1]] and turned.first_counts.tolist() == [2]
     assert turned.weights.tolist() == [[0.25, 0.75, -1.0, 0.0]]
     assert turned.forces.tolist() == [[-1, 0, -8]] and turned.normals.tolist() == [[0, 0, -1]]
+    # Friction of two edges that deform acts on each at its own place.
+    assert pair().of("c").friction_points.tolist() == [[1, 0, 0]]
     # Shares of the force on the edge, and nothing elsewhere.
     spread = turned.vertex_forces(9)
     assert spread[7].tolist() == [-0.25, 0, -2] and spread[8].tolist() == [-0.75, 0, -6]
