@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from typing import TypeAlias
 
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import real_array, real_number, refuse_masked
+from stark.errors import StarkWarning
 
 Vec3Like: TypeAlias = Sequence[float] | NDArray[np.floating]
 
@@ -20,6 +22,9 @@ deg: float = math.pi / 180.0
 LARGEST = 1e150
 """Of components of vectors, as in sim/validation.cpp: lengths are roots of sums of squares, which overflow
 beyond."""
+
+_WHOLE_RADIANS = 25
+"""Four turns: an integer beyond is probably of degrees. A rate times a time is a float."""
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -89,6 +94,13 @@ def rotation(
             "rotation: axis= and angle= belong together; angle is in radians, use 90 * stark.deg"
         )
     along = direction(axis, "rotation: axis")
+    if isinstance(angle, (int, np.integer)) and abs(int(angle)) > _WHOLE_RADIANS:
+        warnings.warn(
+            f"rotation: angle = {angle} rad is {int(angle) / math.tau:.1f} turns: angles are in radians; "
+            f"write {angle} * stark.deg if {angle} degrees are meant, {angle}.0 if not",
+            StarkWarning,
+            stacklevel=2,
+        )
     angle = real_number(angle, "rotation: angle")
     if not math.isfinite(angle):
         raise InvalidArgument(f"rotation: angle = {angle} rad: must be finite; check where it is computed")

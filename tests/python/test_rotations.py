@@ -36,3 +36,13 @@ def test_small_rotations_keep_their_digits() -> None:
     R = stark.rotation(axis="x", angle=1e-9)
     assert R[2, 1] == 1e-9
     assert R[1, 1] == 1.0
+
+
+def test_whole_numbers_beyond_four_turns_are_taken_for_degrees() -> None:
+    with pytest.warns(stark.StarkWarning, match=r"angle = 90 rad is 14.3 turns.* 90 \* stark.deg if") as told:
+        turned = stark.rotation(axis="z", angle=90)
+    assert told[0].filename == __file__
+    assert np.array_equal(turned, stark.rotation(axis="z", angle=90.0))  # no warning of a float
+    with pytest.warns(stark.StarkWarning, match="angle = -45 rad"):
+        stark.rotation(axis="x", angle=np.int64(-45))  # type: ignore[arg-type]
+    stark.rotation(axis="x", angle=25)
