@@ -135,6 +135,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         self._clamped = [scene._core.clamped(k) for k in range(len(scene))]
         scene._is_simulated_by(self)
         self._changes = scene._changes  # of the scene that it has
+        self._known_bodies = len(scene._bodies)  # that it has, or has told that it has not
         self._looked_for_jumps = False
         self._energy_count = len(scene.energies)
         self._live_values = [energy._live_values() for energy in scene.energies]
@@ -204,15 +205,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
                 raise StepFailed(report)
 
     def _step(self, limit: float | None, progress: OnProgress | None) -> StepReport:
-        if self._changes != self._scene._changes:
-            self._changes = self._scene._changes
-            warnings.warn(
-                f"scene '{self._scene.name}': {self._scene._last_change} was changed after the simulation "
-                f"was made and does not affect it; change it before you make stark.Simulation(scene), or "
-                f"make a new simulation",
-                StarkWarning,
-                stacklevel=3,
-            )
+        self._warn_of_late_changes()
         if self._scene._followers or self._scene._courses:
             self._warn_of_jumps()
             self._follow_motions(*self._core.next_step(limit))
@@ -223,6 +216,23 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         pushed = [values.pushed() for values in self._live_values]
         self._taken = TakenStep(before, limit, report, pushed)
         return report
+
+    def _warn_of_late_changes(self) -> None:
+        """Of what the scene has and this simulation has not; once, when the simulation goes on."""
+        late = self._scene._bodies[self._known_bodies :]
+        self._known_bodies += len(late)
+        for what, is_late in (
+            (f"{self._scene._last_change} was changed", self._changes != self._scene._changes),
+            (f"{', '.join(repr(body.name) for body in late)} was added", bool(late)),
+        ):
+            if is_late:
+                warnings.warn(
+                    f"scene '{self._scene.name}': {what} after the simulation was made and does not affect it; "
+                    f"do so before you make stark.Simulation(scene), or make a new simulation",
+                    StarkWarning,
+                    stacklevel=4,
+                )
+        self._changes = self._scene._changes
 
     def _follow_motions(self, duration: float, end: float) -> None:
         """Targets and values of the coming step, from functions of the user: what these ask of the simulation

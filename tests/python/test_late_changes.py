@@ -97,6 +97,20 @@ def test_a_late_body_says_so(read: Callable[[Any, Any], Any]) -> None:
     read(again, late)
 
 
+def test_late_bodies_are_told_by_the_simulation_that_goes_on() -> None:
+    scene = stark.Scene("yard")
+    scene.add_box(0.1, mass=1.0, name="box")
+    sim = stark.Simulation(scene)
+    sim.step()
+    late = [scene.add_box(0.1, mass=1.0, position=(x, 0, 0), name=f"late_{x}") for x in (1, 2)]
+    newer = stark.Simulation(scene)
+    newer.step()
+    assert late[0].position[2] < 0.0
+    with pytest.warns(stark.StarkWarning, match="'yard': 'late_1', 'late_2' was added after the simulation"):
+        sim.step()
+    sim.step()  # once is enough
+
+
 def test_a_late_actuator_says_so() -> None:
     scene = stark.Scene()
     wheel = scene.add_box(0.1, mass=1.0, name="wheel")
@@ -139,4 +153,6 @@ def test_late_changes_of_pairs_are_told_by_the_simulation_that_goes_on(
         later.step()  # has it
         scene.add_box(0.1, mass=1.0, position=(1, 0, 0.06), name="late")
         scene.disable_contact("late", "box")  # of a body that no simulation has
+    with pytest.warns(stark.StarkWarning, match="'late' was added after") as told:
         later.step()
+    assert len(told) == 1  # of the body alone
