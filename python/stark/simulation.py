@@ -227,8 +227,8 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         ):
             if is_late:
                 warnings.warn(
-                    f"scene '{self._scene.name}': {what} after the simulation was made and does not affect it; "
-                    f"do so before you make stark.Simulation(scene), or make a new simulation",
+                    f"scene '{self._scene.name}': {what} after the simulation was made and does not affect "
+                    f"it; do so before you make stark.Simulation(scene), or make a new simulation",
                     StarkWarning,
                     stacklevel=4,
                 )

@@ -13,6 +13,7 @@ namespace {
 constexpr double kEnergyRounding = 1e-15;  ///< relative rounding of a sum of element energies
 constexpr double kNoiseRise = 1e3;         ///< rise over the noise that may be rounding where steps are tiny
 constexpr int kRoundingProbe = 10;         ///< halvings after which the energy shows whether it is rounding
+constexpr int kTinyHalvings = 7;           ///< halvings after which what is accepted must lower the energy
 constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
 /// Share of the slope that a full step gains, above which it is too short: half where the model fits, 7/12
 /// where the energy is the cube of a depth, as that of a barrier is that is hardly touched.
@@ -45,6 +46,12 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
     const bool is_below_noise = !pending && -decrease < noise;
     const double allowed = is_below_noise ? kNoiseRise * noise : settings_.armijo * alpha * decrease + noise;
     if (trial.feasible && (pending || trial.difference <= allowed)) {
+      // A tiny step that is accepted for the noise alone, or gains more than its slope, shows nothing either.
+      const bool is_tiny = !pending && !is_below_noise && k >= kTinyHalvings;
+      if (is_tiny && (trial.difference > 0.0 || is_rounding(trial.difference, alpha))) {
+        if (take_unsure_step(objective)) return SolveStatus::Converged;
+        objective.try_step(direction_, alpha);
+      }
       report_.last_step_length = alpha;
       report_.last_difference = trial.difference;
       if (!pending && !is_below_noise && alpha == 1.0) lengthen_step(objective, trial);
@@ -55,16 +62,21 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
     ++report_.backtracks;
     // A tiny part of the step that raises the energy by more than all of it should lower it: differences are
     // rounding of stiff elements, more than their magnitude shows. The gradient, exact still, decides.
-    const bool is_rounding =
+    const bool is_hidden =
         k == kRoundingProbe && trial.feasible && trial.difference > -decrease && -decrease >= noise;
     // So they are where half of a step raises it by no less than the whole one, by as little as rounding may.
     const bool is_uneven = !pending && trial.feasible && longer > 0.0 && trial.difference >= longer &&
                            trial.difference <= objective.energy_rounding(hessian_);
     longer = trial.difference;
-    if ((is_rounding || is_uneven) && take_unsure_step(objective)) return SolveStatus::Converged;
+    if ((is_hidden || is_uneven) && take_unsure_step(objective)) return SolveStatus::Converged;
   }
   report_.last_step_length = 0.0;
   return SolveStatus::LineSearchFailed;
+}
+
+// Where the matrix is exact and positive definite, nothing gains more than its slope.
+bool NewtonSolver::is_rounding(double difference, double alpha) const {
+  return progress_.is_hessian_exact && difference < alpha * slope();
 }
 
 // Of a quadratic model that fits, a full step gains half of what its slope promises. One that gains more
@@ -72,7 +84,7 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
 // fades on the way.
 void NewtonSolver::lengthen_step(Objective& objective, TrialEnergy full) {
   double best = full.difference, longest = 1.0;
-  if (best > kTooShort * slope()) return;
+  if (best > kTooShort * slope() || is_rounding(best, 1.0)) return;
   while (longest < kLongestStep) {
     const double wish = kLengthening * longest;
     const double alpha = objective.bound_step(direction_, settings_.max_rotation, wish);
@@ -97,7 +109,7 @@ void NewtonSolver::lengthen_step(Objective& objective, TrialEnergy full) {
 // meets that.
 void NewtonSolver::step_nearer(Objective& objective, double alpha, TrialEnergy trial) {
   const auto promised = [&](double share) { return slope() * share * (1.0 - 0.5 * share); };
-  if (trial.difference > kUnbent * promised(alpha)) return;
+  if (trial.difference > kUnbent * promised(alpha) || is_rounding(trial.difference, alpha)) return;
   double best = alpha, refused = 2.0 * alpha, at = alpha;
   for (int k = 0; k < kNearerTrials; ++k) {
     at = 0.5 * (best + refused);

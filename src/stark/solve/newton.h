@@ -112,6 +112,8 @@ class NewtonSolver {
   /// Whether it is better to move what is prescribed without the rest first; then done.
   bool moves_prescribed_alone(Objective& objective);
   SolveStatus line_search(Objective& objective);
+  /// Whether the difference of energies along a share of the direction is rounding.
+  bool is_rounding(double difference, double alpha) const;
   /// Goes beyond the full step, whose trial is known, as long as the energy keeps falling.
   void lengthen_step(Objective& objective, TrialEnergy full);
   /// Goes nearer to the longer step that was refused, where the accepted one met nothing on its way.
