@@ -456,11 +456,8 @@ ContactForce ContactPipeline::beyond_reach(const RestitutionSet::LineForce& give
   }
   contact.weights = {1.0, -1.0};
   contact.distance = contact.contact_distance;
-  return {.contact = contact,
-          .point_a = at,
-          .point_b = at,
-          .normal_force = given.normal * given.force,
-          .friction_point = at};
+  const Vec3 force = given.normal * given.force;
+  return {.contact = contact, .point_a = at, .point_b = at, .normal_force = force, .friction_point = at};
 }
 
 double ContactPipeline::energy() const {
