@@ -72,7 +72,9 @@ void bind_state(nb::module_& m) {
   state.def_static("fields", state_fields, "Name, unit and meaning of every field, in order.");
   def(state, "first_difference", first_difference, {"other"},
       "Name of the first field that differs, '' when all bits are equal.");
-  def(state, "__eq__", [](const S& a, const S& b) { return first_difference(a, b).empty(); }, {"other"});
+  state.def(
+      "__eq__", [](const S& a, const S& b) { return first_difference(a, b).empty(); }, "other"_a,
+      nb::is_operator());
   def(state, "__hash__", [](const S& s) { return static_cast<Py_hash_t>(s.hash() >> 1); });
 }
 

@@ -207,11 +207,20 @@ def _groups(names: list[str]) -> set[str]:
     return {name.partition(".")[0] for name in names if "." in name}
 
 
+def _alike(name: str, known: list[str]) -> list[str]:
+    """Settings whose last word resembles that of a name."""
+    import difflib  # not at start-up
+
+    words = {other.rpartition(".")[2]: other for other in known}
+    return [words[word] for word in difflib.get_close_matches(name.rpartition(".")[2][:80], words, n=1)]
+
+
 def _assign(core: _core.Settings, name: str, value: Any) -> None:
     if not isinstance(name, str) or name in ("time_step", "contact_distance", "threads"):
         return core.assign(name, value)
     known = [field["name"] for field in core.fields()]
     near = [_OTHER_WORDS[name]] if name in _OTHER_WORDS else [other for other in known if name in other][:3]
+    near = near or _alike(name, known)
     if name in known or not near:
         return core.assign(name, value)
     words = " or ".join(repr(other) for other in near)

@@ -317,6 +317,8 @@ CASES = [
          ("'dt'", "did you mean 'time_step'?")),
     Case("part of the name of a setting", lambda: stark.Settings(iterations=3), InvalidSetting,
          ("'iterations'", "'newton.max_iterations'")),
+    Case("other words of other programs", lambda: stark.Settings().update({"newton.maxiter": 9}), InvalidSetting,
+         ("unknown setting 'newton.maxiter' (did you mean 'newton.max_iterations'?)",)),
     Case("start of the name of a setting", lambda: stark.Settings().update({"newton.residual": 1e-3}), InvalidSetting,
          ("unknown setting 'newton.residual' (did you mean 'newton.residual_tolerance'?)",)),
     Case("part of the name of a parameter", lambda: stark.materials.cotton.replace(damping=1), InvalidArgument,

@@ -58,7 +58,7 @@ def test_rewinding_gives_the_same_bits() -> None:
     sim.state = before
     assert sim.time == pytest.approx(0.05)
     assert [sim.step().to_dict()["residual"] for _ in range(3)] == first
-    assert sim.state == after and sim.state.hash == after.hash
+    assert sim.state == after and sim.state.hash == after.hash and after != 3
     assert hash(sim.state) == hash(after) and len({sim.state, after}) == 1
     assert np.array_equal(cloth.positions, positions)
     assert before != after and before.first_difference(after)

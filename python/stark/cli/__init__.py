@@ -38,6 +38,10 @@ def _version() -> str:
         return "not installed"
 
 
+#: What does what other programs have a verb for.
+_ELSEWHERE = {"resume": "stark run --resume DIR", "demo": "stark run hello_cloth"}
+
+
 class _Parser(argparse.ArgumentParser):
     """Says which verb or option was probably meant."""
 
@@ -50,6 +54,7 @@ class _Parser(argparse.ArgumentParser):
         words = message.replace("argument VERB: invalid choice: ", "unrecognized arguments: ")
         wrong = words.removeprefix("unrecognized arguments: ").split()[0].partition("=")[0].strip("'")
         near = difflib.get_close_matches(wrong, known, n=1) if words.startswith("unrecognized") else []
+        near = [_ELSEWHERE[wrong]] if wrong in _ELSEWHERE else near
         hint = f"; did you mean '{near[0]}'?" if near else ""
         super().error(message + hint)
 

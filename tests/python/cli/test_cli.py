@@ -50,6 +50,7 @@ def test_wrong_usage(words, capsys) -> None:
     ("words", "hint"),
     [
         (("verfy", "out"), "did you mean 'verify'?"),
+        (("resume", "out"), "did you mean 'stark run --resume DIR'?"),
         (
             ("run", "hello_cloth", "--untill", "1"),
             "unrecognized arguments: --untill 1; did you mean '--until'?",
