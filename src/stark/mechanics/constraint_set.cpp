@@ -66,8 +66,10 @@ ConstraintSet::ConstraintSet(std::vector<ConstraintGroup> groups) : groups_(std:
 }
 
 void ConstraintSet::begin_step(std::span<const double> multipliers, std::span<const SideStiffness> sides,
-                               std::span<const double> enabled, const ConstraintTolerance& tolerance) {
+                               std::span<const double> enabled, const ConstraintTolerance& tolerance,
+                               const ConstraintTolerance& wanted) {
   tolerance_ = tolerance;
+  wanted_ = wanted;
   multipliers_.assign(multipliers.begin(), multipliers.end());
   enabled_.assign(enabled.begin(), enabled.end());
   last_residuals_.clear();
@@ -116,11 +118,12 @@ void ConstraintSet::write_inputs() {
 }
 
 double ConstraintSet::update(std::span<const Vec3> x) {
-  const double violation = worst(x).ratio;
+  const double violation = worst(x, enabled_, wanted_).ratio;
   if (!(violation > 1.0)) return 0.0;
+  const double unheld = worst(x).ratio > 1.0 ? std::numeric_limits<double>::infinity() : 0.0;
   idle_updates_ = violation < 0.5 * smallest_violation_ ? 0 : idle_updates_ + 1;
   if (idle_updates_ == 0) smallest_violation_ = violation;
-  if (idle_updates_ >= kIdleUpdateLimit) return std::numeric_limits<double>::infinity();
+  if (idle_updates_ >= kIdleUpdateLimit) return unheld;
   const std::vector<double> C = residuals(x);
   double change = 0.0;
   for (int32_t j = 0; j < joint_count_; ++j) {
@@ -145,7 +148,7 @@ double ConstraintSet::update(std::span<const Vec3> x) {
   }
   last_residuals_ = C;
   write_inputs();
-  return change > 0.0 ? change : std::numeric_limits<double>::infinity();
+  return change > 0.0 ? change : unheld;
 }
 
 std::vector<double> ConstraintSet::next_multipliers(std::span<const double> residuals) const {

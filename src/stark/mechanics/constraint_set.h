@@ -54,15 +54,22 @@ class ConstraintSet {
   int64_t coordinate_count() const { return coordinate_count_; }
   int64_t joint_count() const { return joint_count_; }
 
-  /// Starts a step with the multipliers of the last one. `sides`: two for each joint; `enabled`: by joint.
+  /// Starts a step with the multipliers of the last one. `sides`: two for each joint; `enabled`: by joint;
+  /// `wanted`: tolerances to go on to, no larger, as long as updates bring something.
   void begin_step(std::span<const double> multipliers, std::span<const SideStiffness> sides,
-                  std::span<const double> enabled, const ConstraintTolerance& tolerance);
+                  std::span<const double> enabled, const ConstraintTolerance& tolerance,
+                  const ConstraintTolerance& wanted);
+  void begin_step(std::span<const double> multipliers, std::span<const SideStiffness> sides,
+                  std::span<const double> enabled, const ConstraintTolerance& tolerance) {
+    begin_step(multipliers, sides, enabled, tolerance, tolerance);
+  }
   /// Between steps: the joints pull with these forces, whatever their residuals. What reactions are read from
   /// when the multipliers come with a state instead of a step.
   void set_forces(std::span<const double> forces);
-  /// Updates multipliers and penalties where residuals at x are beyond the tolerances. Returns the largest
-  /// change of a multiplier [N, N m], 0 when everything is held, infinity when a series of updates brought
-  /// nothing, or no side of what is apart has unknowns.
+  /// Updates multipliers and penalties where residuals at x are beyond the wanted tolerances. Returns the
+  /// largest change of a multiplier [N, N m], 0 when everything is held as wanted, or within the tolerances
+  /// and a series of updates brought nothing; infinity when that is beyond them, or no side of what is apart
+  /// has unknowns.
   double update(std::span<const Vec3> x);
   /// Forces that hold the residuals: the multipliers of the next step.
   std::vector<double> next_multipliers(std::span<const double> residuals) const;
@@ -95,14 +102,14 @@ class ConstraintSet {
 
  private:
   void write_inputs();
-  double tolerance_of(ResidualUnit unit) const { return tolerance_.of(unit); }
+  double tolerance_of(ResidualUnit unit) const { return wanted_.of(unit); }
 
   std::vector<ConstraintGroup> groups_;
   std::vector<Place> places_;  ///< by joint
   std::vector<double> multipliers_, penalties_, last_residuals_;
   std::vector<double> largest_penalties_;
   std::vector<double> enabled_;  ///< by joint; penalties are zero also where both sides are prescribed
-  ConstraintTolerance tolerance_;
+  ConstraintTolerance tolerance_, wanted_;
   double smallest_violation_ = 0.0;  ///< over the tolerance, of the updates of this step
   int idle_updates_ = 0;             ///< since it fell by half
   int64_t coordinate_count_ = 0, joint_count_ = 0;

@@ -33,6 +33,17 @@ constexpr double kElastic = 1.0 + 1e-6;
 constexpr double kShare = 0.1;
 constexpr int kPasses = 100;  ///< of handing stiffness on from body to body
 
+/// Accelerations to which reactions are to be right [m/s^2, rad/s^2], and residuals that are small enough for
+/// any [m, rad].
+constexpr double kLinear = 0.01, kAngular = 0.1;
+constexpr double kSmallLength = 1e-10, kSmallAngle = 1e-9;
+
+/// Residuals that make the error of a reaction less than its mass times these accelerations, in a step of h.
+ConstraintTolerance finer(const ConstraintTolerance& tolerance, double h) {
+  return {.length = std::min(tolerance.length, std::max(kLinear * h * h, kSmallLength)),
+          .angle = std::min(tolerance.angle, std::max(kAngular * h * h, kSmallAngle))};
+}
+
 Vec3 vector_at(std::span<const double> numbers, int64_t first) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
 }
@@ -65,12 +76,14 @@ SideStiffness StepJoints::stiffness_of(const JointSide& side, std::span<const Ma
   return stiffness;
 }
 
-void StepJoints::begin(std::span<const Mat3> diagonal) {
+void StepJoints::begin(std::span<const Mat3> diagonal, double h) {
   std::vector<SideStiffness> sides;
   for (const JointSide& side : model_.joint_sides()) sides.push_back(stiffness_of(side, diagonal));
-  if (!has_inertia(settings_.time.integrator)) share_stiffness(sides);
-  energies_.constraints.begin_step(state_.joint_multiplier, sides, acting(),
-                                   joint_tolerance(settings_.joints));
+  const bool is_dynamic = has_inertia(settings_.time.integrator);
+  if (!is_dynamic) share_stiffness(sides);
+  const ConstraintTolerance tolerance = joint_tolerance(settings_.joints);
+  energies_.constraints.begin_step(state_.joint_multiplier, sides, acting(), tolerance,
+                                   is_dynamic ? finer(tolerance, h) : tolerance);
 }
 
 void StepJoints::share_stiffness(std::vector<SideStiffness>& sides) const {

@@ -30,7 +30,7 @@ class StepJoints : private StepPart {
   StepJoints(const StepContext& context, const StepMotion& motion) : StepPart(context), motion_(motion) {}
 
   /// Multipliers and penalties of a step; `diagonal`: blocks of inertia and elasticity without joints.
-  void begin(std::span<const Mat3> diagonal);
+  void begin(std::span<const Mat3> diagonal, double h);
   /// Takes the stiffness of joints out of the energies.
   void release();
   /// Writes the inputs of actuators for a step of length h from what motion is measured from.

@@ -339,7 +339,7 @@ bool StepRunner::attempt(double h, SolveReport& total) {
   predict(h, start, false);
   if (has_joints && joints_.hits_stop(h)) predict(h, start, true);
   if (has_joints) {
-    joints_.begin(natural_stiffness(start));
+    joints_.begin(natural_stiffness(start), h);
     const PhaseTimer::Scope scope(timer_, Phase::Predict);
     motion_.predict(h);
   }
