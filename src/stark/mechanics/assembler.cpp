@@ -54,7 +54,7 @@ Assembler::Assembler(const KinematicMap& map, ThreadPool& pool) : map_(map), poo
 
 void Assembler::append_pairs(std::span<const int32_t> stencils, int nodes,
                              std::vector<std::pair<int32_t, int32_t>>& out) const {
-  std::vector<int32_t> blocks;
+  std::vector<int32_t> blocks, before;
   blocks.reserve(2 * nodes);
   SupportPairs of_supports(map_);
   for (size_t first = 0; first < stencils.size(); first += nodes) {
@@ -65,10 +65,14 @@ void Assembler::append_pairs(std::span<const int32_t> stencils, int nodes,
     }
     blocks.clear();
     for (const int32_t site : stencil) map_.append_blocks(site, blocks);
+    // Many sites are of one rigid body, and many contacts of the same two.
+    std::ranges::sort(blocks);
+    const auto doubles = std::ranges::unique(blocks);
+    blocks.erase(doubles.begin(), doubles.end());
+    if (blocks == before) continue;
+    before = blocks;
     for (size_t a = 0; a < blocks.size(); ++a)
-      for (size_t b = a + 1; b < blocks.size(); ++b)
-        if (blocks[a] != blocks[b])
-          out.emplace_back(std::min(blocks[a], blocks[b]), std::max(blocks[a], blocks[b]));
+      for (size_t b = a + 1; b < blocks.size(); ++b) out.emplace_back(blocks[a], blocks[b]);
   }
   of_supports.append_to(out);
 }
