@@ -26,7 +26,7 @@ class Reading(np.ndarray):
     """A copy of what a simulation has, read-only. What is computed from it is a plain array; so are
     ``np.array(reading)`` and ``reading.copy()``, which can be written into."""
 
-    __array_priority__ = -1.0  # results with plain arrays are plain
+    __array_priority__: float = -1.0  # results with plain arrays are plain
 
     _of: tuple[Titled, str, bool | str] | None = None  # owner, name, whether it can be assigned, or remedy
 
