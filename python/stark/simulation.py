@@ -219,20 +219,20 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
 
     def _warn_of_late_changes(self) -> None:
         """Of what the scene has and this simulation has not; once, when the simulation goes on."""
-        late = self._scene._bodies[self._known_bodies :]
-        self._known_bodies += len(late)
-        for what, is_late in (
-            (f"{self._scene._last_change} was changed", self._changes != self._scene._changes),
-            (f"{', '.join(repr(body.name) for body in late)} was added", bool(late)),
-        ):
-            if is_late:
-                warnings.warn(
-                    f"scene '{self._scene.name}': {what} after the simulation was made and does not affect "
-                    f"it; do so before you make stark.Simulation(scene), or make a new simulation",
-                    StarkWarning,
-                    stacklevel=4,
-                )
-        self._changes = self._scene._changes
+        told = []
+        if self._changes != self._scene._changes:
+            self._changes = self._scene._changes
+            told.append(f"{self._scene._last_change} was changed")
+        if late := self._scene._bodies[self._known_bodies :]:
+            self._known_bodies += len(late)
+            told.append(f"{', '.join(repr(body.name) for body in late)} was added")
+        for what in told:
+            warnings.warn(
+                f"scene '{self._scene.name}': {what} after the simulation was made and does not affect "
+                f"it; do so before you make stark.Simulation(scene), or make a new simulation",
+                StarkWarning,
+                stacklevel=4,
+            )
 
     def _follow_motions(self, duration: float, end: float) -> None:
         """Targets and values of the coming step, from functions of the user: what these ask of the simulation

@@ -37,10 +37,8 @@ class Contacts:
     normal_forces: Array  #: (n, 3) [N]
     frictions: Array  #: (n, 3) [N]
     slips: Array  #: (n, 3) tangential velocity of the first material against the second [m/s]
-    friction_points: (
-        Array  #: (n, 3) where friction acts on the first body: of corners of flat faces, inside them [m]
-    )
-    friction_points_b: Array  #: (n, 3) on the second one: the same, but of edges of rods and soft bodies [m]
+    friction_points: Array  #: (n, 3) where friction acts on the first body, inside flat faces [m]
+    friction_points_b: Array  #: (n, 3) on the second: others for edges of rods and soft bodies [m]
 
     def __len__(self) -> int:
         return len(self.distances)

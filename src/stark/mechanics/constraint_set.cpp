@@ -120,10 +120,10 @@ void ConstraintSet::write_inputs() {
 double ConstraintSet::update(std::span<const Vec3> x) {
   const double violation = worst(x, enabled_, wanted_).ratio;
   if (!(violation > 1.0)) return 0.0;
-  const double unheld = worst(x).ratio > 1.0 ? std::numeric_limits<double>::infinity() : 0.0;
+  const auto give_up = [&] { return worst(x).ratio > 1.0 ? std::numeric_limits<double>::infinity() : 0.0; };
   idle_updates_ = violation < 0.5 * smallest_violation_ ? 0 : idle_updates_ + 1;
   if (idle_updates_ == 0) smallest_violation_ = violation;
-  if (idle_updates_ >= kIdleUpdateLimit) return unheld;
+  if (idle_updates_ >= kIdleUpdateLimit) return give_up();
   const std::vector<double> C = residuals(x);
   double change = 0.0;
   for (int32_t j = 0; j < joint_count_; ++j) {
@@ -131,7 +131,7 @@ double ConstraintSet::update(std::span<const Vec3> x) {
     int64_t r = places_[j].residual;
     size_t row = 0;
     for (const int rows : joint.hold_sizes()) {
-      const double tolerance = tolerance_of(joint.units()[row]);
+      const double tolerance = wanted_.of(joint.units()[row]);
       const std::span<const char> one_sided = std::span(joint.one_sided()).subspan(row, rows);
       // What counts is the norm, as in worst(): each entry may be within the tolerance while it is not.
       const double size = norm_of_rows(C, r, one_sided);
@@ -148,7 +148,7 @@ double ConstraintSet::update(std::span<const Vec3> x) {
   }
   last_residuals_ = C;
   write_inputs();
-  return change > 0.0 ? change : unheld;
+  return change > 0.0 ? change : give_up();
 }
 
 std::vector<double> ConstraintSet::next_multipliers(std::span<const double> residuals) const {
@@ -158,7 +158,7 @@ std::vector<double> ConstraintSet::next_multipliers(std::span<const double> resi
     for (size_t k = 0; k < joint.units().size(); ++k) {
       const int64_t r = places_[j].residual + static_cast<int64_t>(k);
       result[r] = updated(multipliers_[r], penalties_[r], residuals[r],
-                          kDeadZone * tolerance_of(joint.units()[k]), joint.one_sided()[k] != 0);
+                          kDeadZone * wanted_.of(joint.units()[k]), joint.one_sided()[k] != 0);
     }
   }
   return result;

@@ -102,7 +102,6 @@ class ConstraintSet {
 
  private:
   void write_inputs();
-  double tolerance_of(ResidualUnit unit) const { return wanted_.of(unit); }
 
   std::vector<ConstraintGroup> groups_;
   std::vector<Place> places_;  ///< by joint

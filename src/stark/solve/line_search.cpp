@@ -46,16 +46,17 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
     const bool is_below_noise = !pending && -decrease < noise;
     const double allowed = is_below_noise ? kNoiseRise * noise : settings_.armijo * alpha * decrease + noise;
     if (trial.feasible && (pending || trial.difference <= allowed)) {
+      const bool is_seen = !pending && !is_below_noise;
       // A tiny step that is accepted for the noise alone, or gains more than its slope, shows nothing either.
-      const bool is_tiny = !pending && !is_below_noise && k >= kTinyHalvings;
+      const bool is_tiny = is_seen && k >= kTinyHalvings;
       if (is_tiny && (trial.difference > 0.0 || is_rounding(trial.difference, alpha))) {
         if (take_unsure_step(objective)) return SolveStatus::Converged;
         objective.try_step(direction_, alpha);
       }
       report_.last_step_length = alpha;
       report_.last_difference = trial.difference;
-      if (!pending && !is_below_noise && alpha == 1.0) lengthen_step(objective, trial);
-      if (!pending && !is_below_noise && k > 0) step_nearer(objective, alpha, trial);
+      if (is_seen && alpha == 1.0) lengthen_step(objective, trial);
+      if (is_seen && k > 0) step_nearer(objective, alpha, trial);
       objective.accept_trial();
       return is_below_noise ? SolveStatus::RoundOff : SolveStatus::Converged;
     }
