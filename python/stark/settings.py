@@ -23,6 +23,12 @@ _OTHER_WORDS = {
     "num_threads": "threads",
     "integrator": "time.integrator",
 }
+#: Short names, and the settings that they stand for.
+_SHORT = {
+    "time_step": "time.step",
+    "contact_distance": "contact.distance",
+    "threads": "execution.threads",
+}
 
 
 class _UnknownSetting(InvalidSetting, AttributeError):  # noqa: N818
@@ -199,8 +205,13 @@ class FixedSettings(Settings):
 
 
 @cache
+def _defaults() -> dict[str, Any]:
+    return {field["name"]: field["default"] for field in _core.Settings.fields()}
+
+
+@cache
 def _names() -> tuple[str, ...]:
-    return tuple(field["name"] for field in _core.Settings.fields())
+    return tuple(_defaults())
 
 
 def _groups(names: list[str]) -> set[str]:
@@ -215,10 +226,26 @@ def _alike(name: str, known: list[str]) -> list[str]:
     return [words[word] for word in difflib.get_close_matches(name.rpartition(".")[2][:80], words, n=1)]
 
 
+def _refuse_text(name: str, default: Any, text: str) -> None:
+    """Numbers and switches are no texts: one that looks like a number may be of another unit, or a mistake."""
+    if isinstance(default, bool):
+        raise InvalidSetting(f"{name} = {text!r}: must be true or false, not a text; write True or False")
+    numbers = "three numbers" if isinstance(default, tuple) else "a number"
+    raise InvalidSetting(
+        f"{name} = {text!r}: must be {numbers}, not a text; write it without quotes, "
+        f"or settings.set_text('{name}={text}') for a text that was read"
+    )
+
+
 def _assign(core: _core.Settings, name: str, value: Any) -> None:
-    if not isinstance(name, str) or name in ("time_step", "contact_distance", "threads"):
+    if not isinstance(name, str):
         return core.assign(name, value)
-    known = [field["name"] for field in core.fields()]
+    default = _defaults().get(_SHORT.get(name, name))
+    if isinstance(value, str) and default is not None and not isinstance(default, str):
+        _refuse_text(name, default, value)
+    if name in _SHORT:
+        return core.assign(name, value)
+    known = list(_names())
     near = [_OTHER_WORDS[name]] if name in _OTHER_WORDS else [other for other in known if name in other][:3]
     near = near or _alike(name, known)
     if name in known or not near:

@@ -68,3 +68,34 @@ def test_a_simulation_takes_settings_as_a_mapping_by_dotted_name() -> None:
         stark.InvalidArgument, match=r"settings = 3: must be a stark\.Settings, or values by dotted name"
     ):
         stark.Simulation(scene, 3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "rule"),
+    [
+        ("time_step", "0.01", "must be a number, not a text; write it without quotes, or settings.set_text"),
+        ("threads", "2", "must be a number, not a text"),
+        ("newton.max_iterations", "50", "must be a number, not a text"),
+        ("newton.max_seconds", "inf", "must be a number, not a text"),
+        ("contact.distance", "1 mm", "must be a number, not a text"),
+        ("contact.self_contact", "no", "must be true or false, not a text; write True or False"),
+        ("gravity", "0,0,-9.81", "must be three numbers, not a text"),
+    ],
+)
+def test_numbers_and_switches_are_no_texts(name: str, text: str, rule: str) -> None:
+    """Texts are for command lines; in a program a number in quotes is a mistake."""
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    with pytest.raises(stark.InvalidSetting, match=f"{name} = '{text}': {rule}"):
+        stark.Simulation(scene, **{name: text})
+    settings = stark.Settings()
+    with pytest.raises(stark.InvalidSetting, match=f"{name} = '{text}': {rule}"):
+        settings[name] = text
+    assert settings.changed() == {}
+
+
+def test_a_text_that_was_read_is_set_as_text() -> None:
+    settings = stark.Settings()
+    for assignment in ("time_step = 0.01", "contact.self_contact=no", "newton.max_seconds=inf"):
+        settings.set_text(assignment)
+    assert settings.changed() == {"time.step": 0.01, "contact.self_contact": False}
