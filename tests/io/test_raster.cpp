@@ -300,3 +300,22 @@ TEST_CASE("the lines of the ground are as fine as samples make them, its light i
   CHECK(sum_small / static_cast<double>(small.pixels.size()) ==
         doctest::Approx(sum_large / static_cast<double>(large.pixels.size())).epsilon(0.01));
 }
+
+TEST_CASE("a picture that is wanted no more ends between its parts, on any number of threads") {
+  const Mesh ball = sphere(0.5, {}, 24);
+  const std::vector meshes{draw(ball, kRed)};
+  for (const int threads : {1, 3}) {
+    stark::RasterSettings settings = plain(200);
+    settings.threads = threads;
+    int asked = 0;
+    const auto go_on = [&] { return ++asked, false; };
+    CHECK(stark::rasterise(meshes, camera_on_x(3.0), settings, go_on).pixels ==
+          stark::rasterise(meshes, camera_on_x(3.0), settings).pixels);
+    CHECK(asked >= 1);
+    CHECK(stark::rasterise(meshes, camera_on_x(3.0), settings, [] { return true; }).pixels.empty());
+  }
+  int asked = 0;
+  const auto third = [&] { return ++asked == 3; };
+  CHECK(stark::rasterise(meshes, camera_on_x(3.0), plain(200), third).width == 0);
+  CHECK(asked == 3);  // of some 25 bands of rows
+}

@@ -2,6 +2,7 @@
 #include <stark/io/raster.h>
 
 #include <algorithm>
+#include <atomic>
 #include <numbers>
 #include <string>
 
@@ -39,10 +40,26 @@ uint8_t byte_from_linear(double c) {
   return static_cast<uint8_t>(std::clamp(255.0 * s + 0.5, 0.0, 255.0));
 }
 
+/// Whether the picture is wanted no more. The question goes to the caller, so only its thread asks.
+class Breaks {
+ public:
+  explicit Breaks(const std::function<bool()>& interrupted) : interrupted_(interrupted) {}
+
+  bool is_over() const { return over_.load(std::memory_order_relaxed); }
+  bool is_over(int thread) {
+    if (thread == 0 && interrupted_ && !is_over() && interrupted_()) over_.store(true);
+    return is_over();
+  }
+
+ private:
+  const std::function<bool()>& interrupted_;
+  std::atomic<bool> over_ = false;
+};
+
 /// The lights and their shadow maps.
 class Lighting {
  public:
-  Lighting(const TriangleScene& scene, const RasterSettings& settings, ThreadPool& pool)
+  Lighting(const TriangleScene& scene, const RasterSettings& settings, ThreadPool& pool, Breaks& breaks)
       : key_(normalized(settings.light)), key_count_(settings.key_lights) {
     const double reach = 1.9 * settings.scene_radius;
     const Vec3 side =
@@ -58,8 +75,9 @@ class Lighting {
       const double z = (i + 0.5) / settings.sky_lights, r = std::sqrt(1.0 - z * z), a = kGoldenAngle * i;
       maps_.emplace_back(Vec3{r * std::cos(a), r * std::sin(a), z}, settings.scene_center, reach, 512);
     }
-    pool.for_each_task(static_cast<int64_t>(maps_.size()),
-                       [&](int64_t i, int) { maps_[i].draw(scene.triangles); });
+    pool.for_each_task(static_cast<int64_t>(maps_.size()), [&](int64_t i, int thread) {
+      if (!breaks.is_over(thread)) maps_[i].draw(scene.triangles);
+    });
   }
 
   /// Light that a white diffuse surface sends back, and the visible share of the key light. `face` is the
@@ -284,20 +302,24 @@ void check(const RasterCamera& camera, const RasterSettings& s) {
 }  // namespace
 
 Image rasterise(std::span<const RasterMesh> meshes, const RasterCamera& camera,
-                const RasterSettings& settings) {
+                const RasterSettings& settings, const std::function<bool()>& interrupted) {
   check(camera, settings);
+  Breaks breaks(interrupted);
   ThreadPool pool(usable_threads(settings.threads));
   const TriangleScene scene = raster::flatten(meshes);
   const CameraFrame frame(camera, static_cast<double>(settings.width) / settings.height);
-  const Lighting lighting(scene, settings, pool);
+  const Lighting lighting(scene, settings, pool, breaks);
+  if (breaks.is_over(0)) return {};
   const int n = settings.samples, width = settings.width, height = settings.height;
   const VisibilityBuffer visible =
       raster::draw_visibility(scene, frame, width * n, height * n, 1e-3 * settings.scene_radius, pool);
   const Shader shader(meshes, scene, frame, settings, lighting);
 
   Image image{width, height, std::vector<uint8_t>(static_cast<size_t>(width) * height * 3)};
-  pool.for_each_range(height, 8, [&](int64_t begin, int64_t end) {
-    for (int64_t y = begin; y < end; ++y)
+  constexpr int kRows = 8;
+  pool.for_each_task((height + kRows - 1) / kRows, [&](int64_t band, int thread) {
+    if (breaks.is_over(thread)) return;
+    for (int64_t y = band * kRows; y < std::min<int64_t>(height, (band + 1) * kRows); ++y)
       for (int x = 0; x < width; ++x) {
         const auto triangle_at = [&](int i) {
           return visible.triangle[static_cast<size_t>(y * n + i / n) * visible.width + x * n + i % n];
@@ -321,6 +343,7 @@ Image rasterise(std::span<const RasterMesh> meshes, const RasterCamera& camera,
         for (int c = 0; c < 3; ++c) pixel[c] = byte_from_linear(color[c]);
       }
   });
+  if (breaks.is_over()) return {};
   return image;
 }
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -92,8 +93,10 @@ struct Image {
 };
 
 /// Draws the meshes. Throws InvalidArgument on sizes outside [1, 16384], indices out of range, or numbers
-/// that are not finite. O(triangles * (lights + bands) + pixels * samples^2 * lights).
+/// that are not finite. O(triangles * (lights + bands) + pixels * samples^2 * lights). `interrupted`, where
+/// it is given, is called on this thread between parts of the picture; once it returns true, the picture is
+/// given up and an empty one, of no pixels, returned.
 Image rasterise(std::span<const RasterMesh> meshes, const RasterCamera& camera,
-                const RasterSettings& settings);
+                const RasterSettings& settings, const std::function<bool()>& interrupted = {});
 
 }  // namespace stark

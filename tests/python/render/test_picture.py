@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -46,6 +48,21 @@ def test_vertices_that_are_not_finite_are_named() -> None:
     sim.bodies[0].positions[5, 1] = np.nan
     with pytest.raises(ValueError, match="body 'cloth': vertex 5 is not finite"):
         render(sim, 16, 16)
+
+
+def test_ctrl_c_ends_it_at_once() -> None:
+    """The best picture of this size takes seconds; what the handler raises comes out of it."""
+    stop = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    begin = time.process_time()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            signal.setitimer(signal.ITIMER_REAL, 0.2)
+            render(FakeSimulation(), 4000, 3000, quality="best")
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, stop)
+    assert time.process_time() - begin < 5.0
+    assert render(FakeSimulation(), 32, 20, quality="draft").shape == (20, 32, 3)
 
 
 def test_still_of_a_recording(tmp_path: Path) -> None:
