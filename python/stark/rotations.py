@@ -68,6 +68,18 @@ def check_places(places: NDArray[np.float64], name: str) -> None:
         )
 
 
+def warn_of_degrees(what: str, angle: object, caller: int = 3) -> None:
+    """Of a whole number beyond four turns; ``caller``: how many calls away the user's line is."""
+    if not isinstance(angle, (int, np.integer)) or abs(int(angle)) <= _WHOLE_RADIANS:
+        return
+    warnings.warn(
+        f"{what} = {angle} rad is {int(angle) / math.tau:.1f} turns: angles are in radians; "
+        f"write {angle} * stark.deg if {angle} degrees are meant, {angle}.0 if not",
+        StarkWarning,
+        stacklevel=caller,
+    )
+
+
 def rotation(
     *,
     axis: str | Vec3Like | None = None,
@@ -94,13 +106,7 @@ def rotation(
             "rotation: axis= and angle= belong together; angle is in radians, use 90 * stark.deg"
         )
     along = direction(axis, "rotation: axis")
-    if isinstance(angle, (int, np.integer)) and abs(int(angle)) > _WHOLE_RADIANS:
-        warnings.warn(
-            f"rotation: angle = {angle} rad is {int(angle) / math.tau:.1f} turns: angles are in radians; "
-            f"write {angle} * stark.deg if {angle} degrees are meant, {angle}.0 if not",
-            StarkWarning,
-            stacklevel=2,
-        )
+    warn_of_degrees("rotation: angle", angle)
     angle = real_number(angle, "rotation: angle")
     if not math.isfinite(angle):
         raise InvalidArgument(f"rotation: angle = {angle} rad: must be finite; check where it is computed")

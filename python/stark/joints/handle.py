@@ -17,6 +17,7 @@ from stark.errors import StarkWarning
 from stark.handle import Handle, SceneLink, SimulationLink
 from stark.joints.other_names import ELSEWHERE
 from stark.readings import named_readings, reading
+from stark.rotations import warn_of_degrees
 
 if TYPE_CHECKING:
     # Formulas are imported when they are needed: half of the time that `import stark` would take.
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
     from stark.joints.definition import JointFormula
 
 Floats = NDArray[np.float64]
-
-#: Limits beyond it are probably in degrees [rad].
-_MANY_TURNS = 8.0 * math.pi
 
 
 class Wrench(NamedTuple):
@@ -44,6 +42,9 @@ class JointActuators(Handle):
     on side b, their opposites on side a. Options of all: ``coordinate``, ``name``, ``enabled``."""
 
     _coordinates: tuple[tuple[str, str], ...]  # names and units
+
+    def _is_angle(self, coordinate: str | None = None) -> bool:
+        return {unit for name, unit in self._coordinates if coordinate in (None, name)} == {"rad"}
 
     def add_actuator(
         self,
@@ -78,6 +79,8 @@ class JointActuators(Handle):
         """Drives the coordinate to ``target`` [rad, m], full turns included, with a PID controller of at most
         ``cap`` [N m, N]. ``stiffness``: effort per error; ``damping``: per rate; ``integral``: per error and
         second. ``target_rate`` and ``feedforward`` are further values."""
+        if self._is_angle(options.get("coordinate")):
+            warn_of_degrees(f"{self._title}: add_servo: target", target)
         return self.add_actuator(
             "position_servo",
             target=target,
@@ -122,15 +125,12 @@ class JointActuators(Handle):
         """Stops at ``lower`` and ``upper`` [rad, m], or at one of them; held within the tolerances of joints,
         whatever pushes."""
         bounds = (("lower", lower), ("upper", upper))
-        given: dict[str, Any] = {
-            k: real_number(value, f"add_limit: {k}") for k, value in bounds if value is not None
-        }
+        given: dict[str, Any] = {k: real_number(v, f"add_limit: {k}") for k, v in bounds if v is not None}
         if not given:
             raise InvalidArgument("add_limit: neither lower nor upper is given: give one of them or both")
         if len(given) == 2 and not given["lower"] < given["upper"]:
             raise InvalidArgument(f"add_limit: lower = {lower}, upper = {upper}: lower must be below upper")
-        units = {unit for _, unit in self._coordinates}
-        if units == {"rad"} and all(abs(value) > _MANY_TURNS for value in given.values()):
+        if self._is_angle() and all(abs(value) > 8.0 * math.pi for value in given.values()):
             warnings.warn(
                 f"{self._title}: add_limit: lower = {lower} rad, upper = {upper} rad: angles are in "
                 f"radians; write 90 * stark.deg if degrees are meant",

@@ -92,4 +92,6 @@ def surface(body: Any) -> tuple[np.ndarray, np.ndarray]:
 
 def drawn(source: Any) -> list[Any]:
     """Bodies of a simulation or a frame, and the layers of bodies that are to be seen."""
+    if not hasattr(source, "bodies"):
+        raise RecordingError(f"sim = {source!r}: must be a stark.Simulation")
     return [*source.bodies, *(layer for layer in getattr(source, "layers", ()) if layer._is_drawn())]

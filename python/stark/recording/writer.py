@@ -320,8 +320,8 @@ class Recorder:
         """Adds one frame: the surfaces of bodies and layers at ``time`` [s], ``sim.time`` when not given."""
         if self._closed:
             raise RecordingError(f"recording '{self.folder}' is closed; frames can no longer be added")
-        at = self._times.require("frame", float(sim.time if time is None else time))
         bodies = drawn(sim)
+        at = self._times.require("frame", float(sim.time if time is None else time))
         if len(bodies) != len(self._entries):
             raise RecordingError(
                 f"recording '{self.folder}' began with {len(self._entries)} bodies, now there are "
@@ -365,6 +365,8 @@ class Recorder:
     def report(self, step_report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one line of telemetry; ``extra`` are further numbers, or groups of them, in SI units."""
         assert self._telemetry is not None
+        if not hasattr(step_report, "newton_iterations"):
+            raise RecordingError(f"report: {step_report!r}: must be the report that sim.step() returned")
         at = self._times.require("step", float(step_report.time))
         self._telemetry.write(step_report, **extra)
         self._times.note("step", at)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import warnings
 
 import numpy as np
 import pytest
@@ -144,3 +145,21 @@ def test_attributes_that_would_do_nothing_are_refused() -> None:
         _ = later.reaction
     assert len(sim.joints) == 1
     assert copy.copy(hinge).name == "hinge"
+
+
+def test_servo_targets_of_many_whole_turns_are_taken_for_degrees() -> None:
+    """As angles of stark.rotation; a slider has metres."""
+    scene = stark.Scene()
+    hinge = scene.add_hinge(None, body(scene), anchor=(0, 0, 0), axis=(0, 1, 0))
+    both = scene.add_cylindrical(None, body(scene, (1, 0, 0)), anchor=(1, 0, 0), axis="z")
+    gains = {"stiffness": 1.0, "damping": 0.1, "cap": 1.0}
+    with pytest.warns(stark.StarkWarning, match=r"'hinge': add_servo: target = 90 rad is 14.3 turns") as told:
+        hinge.add_servo(90, **gains)
+    assert told[0].filename == __file__
+    with pytest.warns(stark.StarkWarning, match=r"target = -45 rad.* write -45 \* stark.deg if"):
+        both.add_servo(-45, coordinate="angle", **gains)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hinge.add_servo(90.0, **gains)
+        hinge.add_servo(25, **gains)
+        both.add_servo(90, coordinate="displacement", **gains)

@@ -93,3 +93,20 @@ def test_bodies_that_cannot_be_recorded(tmp_path: Path, change, message: str) ->
     sim.bodies[0].__dict__.update(change)
     with pytest.raises(RecordingError, match=message):
         Recorder(tmp_path / "run", sim)
+
+
+def test_what_is_given_in_the_wrong_place_is_refused(tmp_path: Path) -> None:
+    """A simulation has a time, too, and was taken for the report of a step without numbers."""
+    sim = FakeSimulation()
+    with Recorder(tmp_path / "run", sim) as recorder:
+        recorder.record(sim)
+        for wrong in (sim, None, 3):
+            with pytest.raises(
+                RecordingError, match=r"report: .*must be the report that sim.step\(\) returned"
+            ):
+                recorder.report(wrong)
+        with pytest.raises(RecordingError, match=r"sim = .*: must be a stark.Simulation"):
+            recorder.record(sim.step())
+        recorder.report(sim.step())
+    run = Recording(tmp_path / "run")
+    assert len(run) == 1 and len(run.telemetry["time"]) == 1
