@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from shlex import quote
 
 from .output import say
 
@@ -86,7 +87,8 @@ def _recording(folder: Path) -> int:
     for name, value in manifest.get("summary", {}).get("observables", {}).items():
         say(f"  {name} = {'nothing' if value is None else format(value, '.6g')}")
     if (folder / CHECKPOINT).exists():
-        say(f"  checkpoint at {Checkpoint.read(folder / CHECKPOINT).time:g} s: stark run --resume {folder}")
+        time = Checkpoint.read(folder / CHECKPOINT).time
+        say(f"  checkpoint at {time:g} s: stark run --resume {quote(str(folder))}")
     return 0
 
 

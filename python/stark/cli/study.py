@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import signal
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from .._core import InvalidArgument
@@ -80,7 +81,7 @@ def _make(args: argparse.Namespace) -> int:
             made = study.resume(folder, scene=args.scene, retry_failed=args.retry_failed, **how)
     except KeyboardInterrupt:
         bar.close()
-        tell(printable(f"interrupted; go on with: stark study resume {folder}"))
+        tell(printable(f"interrupted; go on with: stark study resume {quote(str(folder))}"))
         return EXIT_INTERRUPTED
     finally:
         bar.close()

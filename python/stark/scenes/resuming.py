@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from os import PathLike
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from .._interrupts import Deferred
@@ -88,7 +89,7 @@ def _load(scene: str | PathLike[str] | None, plan: Plan, folder: Path, owner: st
         if not path.is_absolute() or path.resolve().is_relative_to(folder.resolve()):
             raise CheckpointError(
                 f"{owner}: names the scene '{plan.scene}': must be an absolute path outside of the run "
-                f"folder; say which scene it is: stark run SCENE --resume {folder}"
+                f"folder; say which scene it is: stark run SCENE --resume {quote(str(folder))}"
             )
     return load(plan.scene if scene is None else scene, plan.options)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 from _commands import command
@@ -36,3 +37,15 @@ def test_info_about_scenes_and_settings(fall: Path, capsys) -> None:
     assert command("info", "--settings") == 0
     out = capsys.readouterr().out
     assert "newton.max_iterations = " in out and "contact.distance = 0.0 m" in out
+
+
+def test_commands_that_it_names_can_be_copied(tmp_path: Path, capsys) -> None:
+    """Folders with spaces go into quotes."""
+    (tmp_path / "fall.py").write_text(_MEASURED)
+    out = tmp_path / "a run"
+    assert command("run", tmp_path / "fall.py", "--out", out, "--no-replay", "--no-picture") == 0
+    capsys.readouterr()
+    assert command("info", out) == 0
+    told = capsys.readouterr().out
+    line = next(line for line in told.splitlines() if "--resume" in line)
+    assert shlex.split(line)[-4:] == ["stark", "run", "--resume", str(out)]
