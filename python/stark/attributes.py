@@ -15,6 +15,16 @@ def attribute_error(message: str, name: str) -> AttributeError:
     return AttributeError(message, name=name, obj=None)
 
 
+def own_names(module: str, names: Mapping[str, Any]) -> list[str]:
+    """What a module defines itself, without what it imports: for the completion of names."""
+    return [
+        name
+        for name, value in names.items()
+        if not name.startswith("_")
+        and (isinstance(value, dict) or getattr(value, "__module__", "") == module)
+    ]
+
+
 class KnownAttributes:
     """Refuses to assign public attributes that its class does not declare, by a property or an annotation."""
 

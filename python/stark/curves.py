@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import given_flag, given_name, real_array, real_number
+from stark.attributes import own_names
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -394,3 +395,7 @@ def require_curves(curves: Curve | Sequence[Curve]) -> tuple[Curve, ...]:
         f"{name} {names[: k + 1].count(name)}" if name in twice else name for k, name in enumerate(names)
     ]
     return tuple(_with(curve, name=name) for curve, name in zip(found, numbered, strict=True))
+
+
+def __dir__() -> list[str]:
+    return own_names(__name__, globals())

@@ -12,7 +12,7 @@ A parameter may be an array with a value for each element: ``soft_rubber.replace
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from inspect import Parameter, Signature
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeAlias, TypeVar
 
@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark import _core
 from stark._core import InvalidArgument, RodLaw, ShellLaw, SolidLaw
 from stark.arguments import nearest, refuse_masked
+from stark.attributes import own_names
 
 _LARGEST = float(np.finfo(np.float64).max)
 _CoreMaterial = TypeVar("_CoreMaterial", _core.ShellMaterial, _core.SolidMaterial, _core.RodMaterial)
@@ -131,6 +132,11 @@ class _Material(Generic[_CoreMaterial]):
         """Copy with some parameters changed, each a number or an array with a value for each element; ranges
         are checked."""
         new_name = self.name if name is None else name
+        if self.law is not None:
+            owner = f"material '{new_name}'"
+            refuse_replaced(
+                type(self), self.law.name, [row["name"] for row in self.law.parameters], parameters, owner
+            )
         core, fields = self._changed(parameters, new_name)
         source = self.source if not parameters else ""
         return self._of(core, new_name, source, self.law, fields)._recorded_as(self._recorded)
@@ -182,7 +188,9 @@ class _Material(Generic[_CoreMaterial]):
     def __repr__(self) -> str:
         shown = {name: _text(value) for name, value in self.to_dict().items()}
         if self.law is not None:
-            shown = {"law": self.law.name} | shown
+            of_law = {row["name"] for row in self.law.parameters}
+            replaced = {name for name in _replaced_by_laws(type(self)) if name not in of_law}
+            shown = {"law": self.law.name} | {k: v for k, v in shown.items() if k not in replaced}
         if self.name:
             shown = {"name": repr(self.name)} | shown
         return f"{type(self).__name__}({', '.join(f'{name}={text}' for name, text in shown.items())})"
@@ -190,6 +198,25 @@ class _Material(Generic[_CoreMaterial]):
     def _description(self) -> dict[str, Any]:
         """What a body of this material hands to the core beside the parameters of the core."""
         return {"law": self.law, "fields": _flat(self._fields, self.law)}
+
+
+def _replaced_by_laws(kind: type[Any]) -> tuple[str, ...]:
+    """Parameters of the law of a class, in whose place another law has its own; rods take their shear
+    stiffness from them."""
+    return () if kind is RodMaterial else ("youngs_modulus", "poissons_ratio")
+
+
+def refuse_replaced(
+    kind: type[Any], law: str, of_law: Sequence[str], given: Mapping[str, Any], owner: str
+) -> None:
+    """A parameter that would change nothing, beside a law that does not have it."""
+    for name in _replaced_by_laws(kind):
+        if name in given and name not in of_law:
+            instead = f"has {', '.join(of_law)} instead; change these" if of_law else "has no parameters"
+            raise InvalidArgument(
+                f"{owner}: {name} = {given[name]!r}: must be left out, as its law '{law}' does not depend on "
+                f"it; the law {instead}"
+            )
 
 
 def _refuse_number_in_quotes(value: Any, what: str) -> None:
@@ -343,6 +370,8 @@ def _material_of(kind: type[Any], law: _Law) -> Callable[..., Any]:
                     f"materials.{law.name}: no value of {parameter}{unit}, {row['doc']}: it is "
                     f"needed; give a number, or an array with a value for each element"
                 )
+        of_law = [row["name"] for row in law.parameters]
+        refuse_replaced(kind, law.name, of_law, parameters, f"materials.{law.name}")
         return kind(law=law, name=name, source=source, **parameters)
 
     lines = [f"{row['name']} [{row['unit']}]: {row['doc']}, {row['rule']}" for row in law.parameters]
@@ -434,3 +463,7 @@ if not TYPE_CHECKING:  # checkers would take every name for known
             name=name,
             obj=None,  # without one Python adds no hint of its own
         )
+
+
+def __dir__() -> list[str]:
+    return own_names(__name__, globals())

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import given_path, real_array, real_number, refuse_masked
+from stark.attributes import own_names
 from stark.mesh import TriangleMesh
 from stark.mesh.usd_files import read_usd, without_unused
 from stark.point_cache import read_point_cache
@@ -240,3 +241,7 @@ def _slerp(t: Floats, q: Floats, time: float) -> Floats:
     if angle < 1e-8:
         return (1.0 - s) * q[k] + s * q[k + 1]
     return (np.sin((1.0 - s) * angle) * q[k] + np.sin(s * angle) * q[k + 1]) / np.sin(angle)
+
+
+def __dir__() -> list[str]:
+    return own_names(__name__, globals())

@@ -227,7 +227,7 @@ def _alike(name: str, known: list[str]) -> list[str]:
 
 
 def _refuse_text(name: str, default: Any, text: str) -> None:
-    """Numbers and switches are no texts: one that looks like a number may be of another unit, or a mistake."""
+    """Numbers and switches are no texts: one in quotes may be of another unit, or a mistake."""
     if isinstance(default, bool):
         raise InvalidSetting(f"{name} = {text!r}: must be true or false, not a text; write True or False")
     numbers = "three numbers" if isinstance(default, tuple) else "a number"

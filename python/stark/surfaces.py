@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.attributes import own_names
 
 __all__ = ["Surface", "paper", "relative_pressure", "rigid", "rubber", "skin", "terry_towel"]
 
@@ -118,3 +119,7 @@ terry_towel: Surface = Surface(
     "0.48 kg/m2 of cotton, 1540 kg/m3, of which fibres fill a third as in pressed fabrics",
     core=0.47e-3,
 )
+
+
+def __dir__() -> list[str]:
+    return own_names(__name__, globals())

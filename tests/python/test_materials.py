@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import pickle
+from typing import Any
 
+import numpy as np
 import pytest
 
 import stark
@@ -129,6 +131,32 @@ def test_numbers_in_quotes_are_refused() -> None:
         stark.materials.soft_rubber.replace(strain_limit_law="green_strain").strain_limit_law
         == "green_strain"
     )
+
+
+def test_parameters_that_a_law_does_not_have_are_refused() -> None:
+    """Young's modulus of the class stays in a material of another law, which does not read it."""
+    mooney_rivlin = stark.materials.mooney_rivlin
+    rubber = mooney_rivlin(c10=3e4, c01=1e4, bulk_modulus=2e6, density=1100.0)
+    assert "youngs_modulus" not in repr(rubber) and "poissons_ratio" not in repr(rubber)
+    assert "youngs_modulus=3000" in repr(stark.materials.neo_hookean(youngs_modulus=3e3))
+    message = r"youngs_modulus = .*: must be left out.*'mooney_rivlin'.* has c10, c01, bulk_modulus instead"
+    with pytest.raises(stark.InvalidArgument, match=f"material 'mooney_rivlin': {message}"):
+        rubber.replace(youngs_modulus=1e5)
+    with pytest.raises(stark.InvalidArgument, match=f"materials.mooney_rivlin: {message}"):
+        mooney_rivlin(c10=3e4, c01=1e4, bulk_modulus=2e6, youngs_modulus=np.full(3, 1e5))
+    with pytest.raises(stark.InvalidArgument, match=r"'rubber': poissons_ratio = 0\.4: must be left out"):
+        stark.measured.rubber.replace(poissons_ratio=0.4)
+
+    @stark.material
+    def own(F: stark.DeformationGradient, mu: float = 1.0) -> Any:
+        return mu * stark.squared_norm(F.T @ F - stark.identity(3))
+
+    with pytest.raises(stark.InvalidArgument, match=r"own: youngs_modulus = 1\.0: must be left out.* has mu"):
+        own(youngs_modulus=1.0)
+    assert own(mu=2.0, base=stark.materials.soft_rubber).replace(mu=3.0, density=5.0).mu == 3.0
+    assert pickle.loads(pickle.dumps(rubber)) == rubber
+    cord = stark.generalized_maxwell_rod(stark.materials.rubber_cord, moduli=[1e6], times=[0.5])
+    assert cord.replace(youngs_modulus=1e5).youngs_modulus == 1e5  # for its shear stiffness
 
 
 def test_a_mesh_of_unusual_size_is_warned_of_once() -> None:

@@ -158,3 +158,14 @@ def test_every_public_name_says_what_it_is() -> None:
                 named = _members(value, f"{owner.__name__}.{name}")
                 missing |= {place for place, member in named if not inspect.getdoc(member)}
     assert not missing
+
+
+@pytest.mark.parametrize("module", [stark.materials, stark.motion, stark.curves, stark.surfaces])
+def test_completion_offers_what_a_module_defines(module: Any) -> None:
+    """Not what it imports, such as np and Any."""
+    names = dir(module)
+    assert not {"np", "Any", "ArrayLike", "annotations", "InvalidArgument"} & set(names)
+    assert not [name for name in names if inspect.ismodule(getattr(module, name))]
+    public = {"materials": "cotton mooney_rivlin plate presets", "motion": "Motion linear spline usd_mesh"}
+    public |= {"curves": "Curve uniaxial relaxation", "surfaces": "Surface paper relative_pressure"}
+    assert set(public[module.__name__.removeprefix("stark.")].split()) <= set(names)

@@ -15,7 +15,7 @@ from stark.formulas import law_checks
 from stark.formulas.parameters import Parameter
 from stark.formulas.recorded_law import RecordedLaw
 from stark.formulas.update_checks import bad_update
-from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
+from stark.materials import RodMaterial, ShellMaterial, SolidMaterial, refuse_replaced
 
 
 class MaterialLaw(RecordedLaw):
@@ -40,6 +40,7 @@ class MaterialLaw(RecordedLaw):
                 f"{self.name}: base = {base!r}: must be a stark.{kind.__name__}, for which the law is"
             )
         values = {p.name: self.value(p, given.pop(p.name, p.declaration.default)) for p in self.parameters}
+        refuse_replaced(kind, self.name, [p.name for p in self.parameters], given, self.name)
         self.checked(values)
         inherited = {} if base is None else base._core.to_dict()
         flat = {p.name: _flattened(p, values[p.name]) for p in self.parameters}
