@@ -8,11 +8,13 @@ beside them. Then Sphinx makes OUT/html. Needs the package with its extension an
 from __future__ import annotations
 
 import argparse
+import functools
 import os
 import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import docs_api
@@ -61,6 +63,10 @@ REPLAYS = {
     "hello_cloth": "A cotton cloth over a turning box. Drag to turn the view, click on a body to pick it."
 }
 _LINK = re.compile(r"(!?)\[((?:[^][]|\[[^][]*\])*)\]\(([^)\s]+)\)")
+_ID = re.compile(r'id="([^"]+)"')
+_SOURCE_LINK = re.compile(
+    r'<a (?:class="viewcode-back" )?href="(?P<path>[^"#:]+)(?:#(?P<name>[^"]+))?">(?P<text>[^<]*)</a>'
+)
 _CODE = re.compile(r"(^ *```.*?^ *```$)", re.MULTILINE | re.DOTALL)
 
 
@@ -179,7 +185,41 @@ def build(out: Path, root: Path = ROOT) -> int:
     gather(root, source)
     command = [sys.executable, "-m", "sphinx", "-E", "-W", "--keep-going", "-q", "-c", str(root / "docs")]
     done = subprocess.run([*command, "-d", str(out / "cache"), str(source), str(out / "html")], check=False)
+    if done.returncode == 0:
+        mend_sources(out / "html")
     return done.returncode
+
+
+def mend_sources(html: Path) -> None:
+    """Links of the pages of sources. They lead back to the names under which things are defined, which are
+    not always those under which they are public, and to modules that have no text."""
+    anchors: dict[Path, set[str]] = {}
+
+    def mended(page: Path, link: re.Match[str]) -> str:
+        path = (page.parent / link["path"]).resolve()
+        if path not in anchors:
+            anchors[path] = set(_ID.findall(path.read_text(encoding="utf-8"))) if path.is_file() else set()
+        known, name = anchors[path], link["name"]
+        if name is None and path.is_file():
+            return link[0]
+        if public := next((other for other in _shortened(name or "") if other in known), None):
+            return link[0].replace(f"#{name}", f"#{public}")
+        return "" if "viewcode-back" in link[0] else link["text"]
+
+    for page in sorted((html / "_modules").rglob("*.html")):
+        text = page.read_text(encoding="utf-8")
+        body = text.partition('<article role="main"')
+        mend = functools.partial(mended, page)
+        page.write_text(body[0] + body[1] + _SOURCE_LINK.sub(mend, body[2]), encoding="utf-8")
+
+
+def _shortened(name: str) -> Iterator[str]:
+    """A dotted name, and the same without some modules in its middle."""
+    parts = name.split(".")
+    yield name
+    for start in range(1, len(parts)):
+        for end in range(start + 1, len(parts)):
+            yield ".".join(parts[:start] + parts[end:])
 
 
 def main() -> int:

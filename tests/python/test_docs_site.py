@@ -210,3 +210,20 @@ def test_every_equation_is_drawn_and_can_be_linked(site: Path) -> None:
 )
 def test_notation_of_the_theory(formula: str, expected: str) -> None:
     assert expected in docs_math.mathml(formula)
+
+
+def test_pages_of_sources_link_to_public_names(tmp_path: Path) -> None:
+    """Sphinx links back to the places of definitions, and to modules without a text."""
+    (tmp_path / "_modules" / "stark").mkdir(parents=True)
+    (tmp_path / "api.html").write_text('<dt id="stark.hold"><dt id="stark.mesh.Mesh.save">')
+    back = '<a class="viewcode-back" href="../../api.html#{}">[docs]</a>'
+    page = tmp_path / "_modules" / "stark" / "joints.html"
+    names = "stark.joints.hold", "stark.mesh.types.Mesh.save", "stark.mesh.Mesh.save", "stark.gone"
+    start = '<a href="gone.html">theme</a><article role="main">'
+    page.write_text(start + "\n".join(map(back.format, names)))
+    index = tmp_path / "_modules" / "index.html"
+    index.write_text('<article role="main"><li><a href="stark/joints.html">j</a><a href="core.html">core</a>')
+    docs_site.mend_sources(tmp_path)
+    kept = [back.format(name) for name in ("stark.hold", "stark.mesh.Mesh.save", "stark.mesh.Mesh.save")]
+    assert page.read_text() == start + "\n".join([*kept, ""])
+    assert index.read_text() == '<article role="main"><li><a href="stark/joints.html">j</a>core'
