@@ -1,5 +1,6 @@
 // Bindings of states: values that are compared, copied and taken apart into arrays.
 #include <stark/base/hash.h>
+#include <stark/base/settings.h>
 #include <stark/mechanics/state.h>
 
 #include "functions.h"
@@ -75,6 +76,11 @@ void bind_state(nb::module_& m) {
   state.def(
       "__eq__", [](const S& a, const S& b) { return first_difference(a, b).empty(); }, "other"_a,
       nb::is_operator());
+  def(state, "__repr__", [](const S& s) {
+    return "<State at " + to_text(s.time) + " s, after " + std::to_string(s.step_count) +
+           " steps: " + std::to_string(s.point_position.size()) + " points, " +
+           std::to_string(s.body_position.size()) + " rigid bodies and nodes>";
+  });
   def(state, "__hash__", [](const S& s) { return static_cast<Py_hash_t>(s.hash() >> 1); });
 }
 

@@ -175,3 +175,12 @@ def test_steps_that_look_like_milliseconds_warn() -> None:
         warnings.simplefilter("error")
         stark.Simulation(scene, time_step=1.0)
         stark.Simulation(scene, time_step=10.0, **{"time.integrator": "quasistatic"})
+
+
+def test_a_state_says_what_it_is_of() -> None:
+    scene = stark.Scene()
+    scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=1))
+    scene.add_box(0.1, mass=1.0, position=(0, 0, 1))
+    sim = stark.Simulation(scene, time_step=0.125)
+    sim.step()
+    assert repr(sim.state) == "<State at 0.125 s, after 1 steps: 4 points, 1 rigid bodies and nodes>"

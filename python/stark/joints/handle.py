@@ -326,17 +326,17 @@ class Joint(JointActuators):
 
     def _numbers(self, what: str, given: Any, present: dict[str, float]) -> Floats:
         """Present numbers by name, some replaced by those that are given."""
+        names = ", ".join(present) or "none, as joints of its kind have no coordinates"
         if not isinstance(given, Mapping):
-            raise InvalidArgument(
-                f"joint '{self.name}': {what} = {given!r}: must be numbers by name: {', '.join(present)}"
-            )
+            raise InvalidArgument(f"{self._title}: {what} = {given!r}: must be numbers by name: {names}")
         for name, value in given.items():
             if name not in present:
                 raise InvalidArgument(
-                    f"joint '{self.name}': {what}: has no coordinate {name!r}: must be one of "
-                    f"{', '.join(present) or 'none, as joints of its kind have no coordinates'}"
+                    f"{self._title}: {what}: has no coordinate {name!r}: must be one of {names}"
                 )
             present[name] = real_number(value, f"joint '{self.name}': {what}: {name}")
+            if what == "coordinates" and self._is_angle(name):
+                warn_of_degrees(f"{self._title}: {name}", value, caller=5)
         return np.array(list(present.values()), dtype=np.float64)
 
     def _named(self, values: Floats) -> dict[str, float]:

@@ -364,6 +364,8 @@ class Recorder:
 
     def report(self, step_report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one line of telemetry; ``extra`` are further numbers, or groups of them, in SI units."""
+        if self._closed:
+            raise RecordingError(f"recording '{self.folder}' is closed; reports can no longer be added")
         assert self._telemetry is not None
         if not hasattr(step_report, "newton_iterations"):
             raise RecordingError(f"report: {step_report!r}: must be the report that sim.step() returned")

@@ -163,3 +163,21 @@ def test_servo_targets_of_many_whole_turns_are_taken_for_degrees() -> None:
         hinge.add_servo(90.0, **gains)
         hinge.add_servo(25, **gains)
         both.add_servo(90, coordinate="displacement", **gains)
+
+
+def test_angles_of_many_whole_turns_are_taken_for_degrees() -> None:
+    scene = stark.Scene()
+    hinge = scene.add_hinge(None, body(scene), anchor=(0, 0, 0), axis=(0, 1, 0))
+    slider = scene.add_slider(None, body(scene, (1, 0, 0)), anchor=(1, 0, 0), axis="z")
+    sim = simulate(scene)
+    with pytest.warns(stark.StarkWarning, match="'hinge': angle = 90 rad is 14.3 turns"):
+        hinge.angle = 90
+    assert abs(hinge.angle - 90.0) < 1e-9
+    with pytest.warns(stark.StarkWarning, match=r"write -45 \* stark.deg if"):
+        hinge.coordinates = {"angle": -45}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hinge.angle = 90.0
+        hinge.rates = {"angle": 90}
+        slider.displacement = 90
+    assert not sim.step().failed

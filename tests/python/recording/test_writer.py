@@ -108,5 +108,7 @@ def test_what_is_given_in_the_wrong_place_is_refused(tmp_path: Path) -> None:
         with pytest.raises(RecordingError, match=r"sim = .*: must be a stark.Simulation"):
             recorder.record(sim.step())
         recorder.report(sim.step())
+    with pytest.raises(RecordingError, match="is closed; reports can no longer be added"):
+        recorder.report(sim.step())
     run = Recording(tmp_path / "run")
     assert len(run) == 1 and len(run.telemetry["time"]) == 1
