@@ -50,9 +50,26 @@ class _Material(Generic[_CoreMaterial]):
         self, *, law: _Law | str | None = None, name: str = "", source: str = "", **parameters: ArrayLike
     ) -> None:
         found = self._law_of(law)
-        self._assign(self._core_type(), name, source, found, {})
+        self._refuse_replaced(found, parameters, name)
+        self._make(found, name, source, parameters)
+
+    def _make(self, law: _Law | None, name: str, source: str, parameters: Mapping[str, ArrayLike]) -> None:
+        self._assign(self._core_type(), name, source, law, {})
         core, fields = self._changed(parameters, name)
-        self._assign(core, name, source, found, fields)
+        self._assign(core, name, source, law, fields)
+
+    @classmethod
+    def _with(cls, law: _Law | None, name: str, source: str, parameters: Mapping[str, ArrayLike]) -> Self:
+        """Of all parameters that a material has, whether its law reads them or not."""
+        material = cls.__new__(cls)
+        material._make(law, name, source, parameters)
+        return material
+
+    @classmethod
+    def _refuse_replaced(cls, law: _Law | None, given: Mapping[str, Any], name: str) -> None:
+        if law is not None:
+            owner = f"material '{name}'" if name else cls.__name__
+            refuse_replaced(cls, law.name, [row["name"] for row in law.parameters], given, owner)
 
     @classmethod
     def _law_of(cls, law: _Law | str | None) -> _Law | None:
@@ -132,11 +149,7 @@ class _Material(Generic[_CoreMaterial]):
         """Copy with some parameters changed, each a number or an array with a value for each element; ranges
         are checked."""
         new_name = self.name if name is None else name
-        if self.law is not None:
-            owner = f"material '{new_name}'"
-            refuse_replaced(
-                type(self), self.law.name, [row["name"] for row in self.law.parameters], parameters, owner
-            )
+        self._refuse_replaced(self.law, parameters, new_name)
         core, fields = self._changed(parameters, new_name)
         source = self.source if not parameters else ""
         return self._of(core, new_name, source, self.law, fields)._recorded_as(self._recorded)
@@ -259,7 +272,7 @@ def _text(value: float | str | NDArray[np.float64]) -> str:
 
 
 def _rebuild(kind: type[Any], name: str, source: str, law: str | None, parameters: dict[str, Any]) -> Any:
-    return kind(name=name, source=source, law=None if law is None else kind._laws[law], **parameters)
+    return kind._with(None if law is None else kind._laws[law], name, source, parameters)
 
 
 class ShellMaterial(_Material[_core.ShellMaterial]):
@@ -370,8 +383,6 @@ def _material_of(kind: type[Any], law: _Law) -> Callable[..., Any]:
                     f"materials.{law.name}: no value of {parameter}{unit}, {row['doc']}: it is "
                     f"needed; give a number, or an array with a value for each element"
                 )
-        of_law = [row["name"] for row in law.parameters]
-        refuse_replaced(kind, law.name, of_law, parameters, f"materials.{law.name}")
         return kind(law=law, name=name, source=source, **parameters)
 
     lines = [f"{row['name']} [{row['unit']}]: {row['doc']}, {row['rule']}" for row in law.parameters]

@@ -142,8 +142,10 @@ def test_parameters_that_a_law_does_not_have_are_refused() -> None:
     message = r"youngs_modulus = .*: must be left out.*'mooney_rivlin'.* has c10, c01, bulk_modulus instead"
     with pytest.raises(stark.InvalidArgument, match=f"material 'mooney_rivlin': {message}"):
         rubber.replace(youngs_modulus=1e5)
-    with pytest.raises(stark.InvalidArgument, match=f"materials.mooney_rivlin: {message}"):
+    with pytest.raises(stark.InvalidArgument, match=f"material 'mooney_rivlin': {message}"):
         mooney_rivlin(c10=3e4, c01=1e4, bulk_modulus=2e6, youngs_modulus=np.full(3, 1e5))
+    with pytest.raises(stark.InvalidArgument, match=f"SolidMaterial: {message}"):
+        stark.SolidMaterial(law="mooney_rivlin", c10=3e4, c01=1e4, bulk_modulus=2e6, youngs_modulus=1e5)
     with pytest.raises(stark.InvalidArgument, match=r"'rubber': poissons_ratio = 0\.4: must be left out"):
         stark.measured.rubber.replace(poissons_ratio=0.4)
 

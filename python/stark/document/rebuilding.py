@@ -128,7 +128,7 @@ class Rebuilding:
         values = {name: _plain(value) for name, value in row["values"].items()}
         if reserved := {"name", "source", "law"} & values.keys():
             raise DocumentError(f"{where}.material.values: '{min(reserved)}' is no parameter")
-        material = kind(name=row["name"], source=row["source"], law=law, **values)
+        material = kind._with(law, row["name"], row["source"], values)
         return material if read is None else material._recorded_as((read, read.isotropic))
 
     def _add_layers(self, row: dict[str, Any], where: str) -> None:

@@ -44,7 +44,8 @@ class MaterialLaw(RecordedLaw):
         self.checked(values)
         inherited = {} if base is None else base._core.to_dict()
         flat = {p.name: _flattened(p, values[p.name]) for p in self.parameters}
-        material = kind(law=self.law(values), name=name or self.name, **{**inherited, **given, **flat})
+        source = given.pop("source", "")
+        material = kind._with(self.law(values), name or self.name, source, {**inherited, **given, **flat})
         return material._recorded_as((self, self._is_isotropic(values)))
 
     def values_of(self, material: Any) -> dict[str, np.ndarray]:
