@@ -47,12 +47,26 @@ class KnownAttributes:
 
     def _unknown_attribute(self, name: str) -> str:
         """What is said of an attribute that there is not."""
-        if name in self._elsewhere:
-            return f"{self!r} has no attribute '{name}': write {self._elsewhere[name]}"
-        known = [other for other in dir(type(self)) if not other.startswith("_")]
-        near = nearest(name, known)
-        hint = f"; did you mean '{near}'?" if near else ""
-        return f"{self!r} has no attribute '{name}'{hint}"
+        return _unknown(self, name, self._elsewhere)
+
+
+def _unknown(owner: object, name: str, elsewhere: Mapping[str, str]) -> str:
+    if name in elsewhere:
+        return f"{owner!r} has no attribute '{name}': write {elsewhere[name]}"
+    near = nearest(name, [other for other in dir(type(owner)) if not other.startswith("_")])
+    hint = f"; did you mean '{near}'?" if near else ""
+    return f"{owner!r} has no attribute '{name}'{hint}"
+
+
+def answer_attributes(cls: type, elsewhere: Mapping[str, str]) -> None:
+    """Lets a class of the core say what was meant where an unknown attribute is read."""
+
+    def answer(self: object, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(f"{cls.__name__!r} object has no attribute {name!r}")
+        raise attribute_error(_unknown(self, name, elsewhere), name)
+
+    cls.__getattr__ = answer  # type: ignore[attr-defined]
 
 
 def _declares(cls: type, name: str) -> bool:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from stark import _core
 from stark._core import Error, InvalidArgument, State, StepProgress, StepReport
+from stark.attributes import answer_attributes
 from stark.errors import StarkWarning
 from stark.handle import BodyHandle, SimulationLink
 from stark.scene_record import Call
@@ -21,6 +22,18 @@ from stark.scene_record import Call
 def _state_of(arrays: dict[str, Any]) -> _core.State:
     return _core.State.of_arrays(arrays)
 
+
+answer_attributes(
+    StepReport,
+    {
+        "iterations": "newton_iterations",
+        "dt": "time_step",
+        "contacts": "contact_count, or sim.contacts for each of them",
+        "converged": "not report.failed",
+        "success": "not report.failed",
+        "energies": "energy, a dictionary",
+    },
+)
 
 # States are values: they can be copied, pickled and sent to other processes.
 copyreg.pickle(_core.State, lambda state: (_state_of, (state.arrays(),)))

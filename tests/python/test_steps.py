@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 import warnings
+from typing import Any
 
 import numpy as np
 import pytest
@@ -79,3 +80,19 @@ def test_reports_are_copied_and_sent_to_other_processes() -> None:
     assert kept.diagnosis.to_dict() == report.diagnosis.to_dict()
     with pytest.raises(AttributeError):
         _ = kept.nothing
+
+
+def test_a_report_says_which_attribute_was_meant() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    report: Any = stark.Simulation(scene).step()
+    for name, hint in (
+        ("iterations", "write newton_iterations"),
+        ("contacts", "write contact_count, or sim.contacts"),
+        ("converged", "write not report.failed"),
+        ("newton_iteration", "did you mean 'newton_iterations'"),
+    ):
+        with pytest.raises(AttributeError, match=f"<stark.StepReport .*> has no attribute '{name}'.*{hint}"):
+            getattr(report, name)
+    assert not hasattr(report, "nothing") and not hasattr(report, "_nothing")
+    assert report.newton_iterations >= 0 and copy.copy(report).step == report.step
