@@ -147,3 +147,30 @@ def test_the_mesh_of_a_body_is_its_own() -> None:
     with pytest.raises(ValueError, match="read-only"):
         sheet.mesh.vertices[0] = 1.0
     assert scene.add_cloth(mesh).mesh.vertices[:, 2].min() == 1.0
+
+
+def test_readings_of_contact_before_a_step() -> None:
+    """docs/sensors.md: zero before the first step and after a reset; none, of any body, after placing."""
+    scene = stark.Scene()
+    scene.add_floor(1.0)
+    box, other = (scene.add_box(0.1, mass=1.0, position=(x, 0, 0.0518)) for x in (0.0, 0.3))
+    arm = scene.add_box(0.1, mass=1.0, position=(0, 0.3, 1))
+    hinge = scene.add_hinge(None, arm, anchor=(0, 0.2, 1), axis="x")
+    motor = hinge.add_motor(1.0, cap=1.0, delta=0.1)
+    sim = stark.Simulation(scene, time_step=0.01)
+
+    def is_zero() -> bool:
+        forces = [box.contact_force, other.contact_force, hinge.reaction.force, hinge.reaction.torque]
+        return not np.any(np.concatenate(forces)) and motor.effort == 0.0 and not len(sim.contacts)
+
+    assert is_zero()
+    sim.run_until(0.3)
+    assert abs(box.contact_force[2] - 9.81) < 0.1 and np.any(hinge.reaction.force)
+    for placing in ({"position": (0, 0, 0.3)}, {"velocity": (0, 0, 1)}):
+        sim.step()
+        assert len(sim.contacts)
+        for name, value in placing.items():
+            setattr(box, name, value)
+        assert not len(sim.contacts) and not other.contact_force.any() and other.contact_area() == 0.0
+    sim.reset()
+    assert is_zero()
