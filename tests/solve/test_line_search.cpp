@@ -124,3 +124,28 @@ TEST_CASE("a full step that fits its model is not lengthened") {
   Solver solver(tight());
   CHECK(solver.minimize(objective).last_step_length <= 1.0);
 }
+
+TEST_CASE("a step far into something stiff is shortened by the power with which its energy shrinks") {
+  // A parabola with its minimum at 1 and the cube of a depth from 0.001 on, which the Hessian does not know
+  // at the start: the full step has to be halved ten times.
+  const auto cube = [](const Vec3& x) {
+    const double depth = std::max(0.0, x.x - 1e-3);
+    const Mat3 H = Mat3::diagonal({1.0 + 6e6 * depth, 1.0, 1.0});
+    return Analytic::Value{0.5 * (x.x - 1.0) * (x.x - 1.0) + 1e6 * depth * depth * depth,
+                           {x.x - 1.0 + 3e6 * depth * depth, 0, 0},
+                           H,
+                           H};
+  };
+  Analytic objective(cube, {0, 0, 0});
+  NewtonSettings settings = tight();
+  settings.max_iterations = 1;
+  Solver solver(settings);
+  const SolveReport first = solver.minimize(objective);
+  CHECK(first.last_step_length <= std::ldexp(1.0, -9));
+  CHECK(first.last_step_length >= std::ldexp(1.0, -11));  // no shorter than halving alone would find
+  CHECK(first.backtracks <= 6);                           // which takes nine or ten trials
+  settings.max_iterations = 100;
+  objective.x = {};
+  CHECK(Solver(settings).minimize(objective).status == SolveStatus::Converged);
+  CHECK(cube(objective.x).gradient.x == doctest::Approx(0.0).epsilon(1e-6));
+}

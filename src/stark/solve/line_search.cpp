@@ -21,6 +21,9 @@ constexpr double kTooShort = 0.56;
 constexpr double kStillFalling = 0.5;  ///< share of it along longer steps, above which they go on
 constexpr double kLengthening = 2.0, kLongestStep = 32.0;  ///< of full steps that are too short
 constexpr double kUnbent = 0.95;  ///< part of what the model promises that a step gains which met nothing new
+constexpr double kSmallestPower =
+    3.0;                          ///< of the length, with which what contact raises the energy by shrinks
+constexpr int kMostHalvings = 4;  ///< at once
 constexpr int kNearerTrials = 4;  ///< between such a step and the longer one that was refused
 
 }  // namespace
@@ -36,8 +39,10 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
   const double decrease = slope();
   report_.last_bound = alpha;
   report_.last_slope = decrease;
-  double longer = 0.0;  // what the trial before has raised the energy by
-  for (int k = 0; k <= settings_.max_backtracks; ++k, alpha *= 0.5) {
+  double longer = 0.0;           // what the trial before has raised the energy by
+  double refused = 2.0 * alpha;  // its length
+  int halvings = 1;
+  for (int k = 0; k <= settings_.max_backtracks; k += halvings, alpha = std::ldexp(alpha, -halvings)) {
     if (is_interrupted_meanwhile()) return SolveStatus::Interrupted;
     const TrialEnergy trial = objective.try_step(direction_, alpha);
     const double noise = kEnergyRounding * trial.magnitude;
@@ -56,11 +61,15 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
       report_.last_step_length = alpha;
       report_.last_difference = trial.difference;
       if (is_seen && alpha == 1.0) lengthen_step(objective, trial);
-      if (is_seen && k > 0) step_nearer(objective, alpha, trial);
+      if (is_seen && k > 0) step_nearer(objective, alpha, refused, trial);
       objective.accept_trial();
       return is_below_noise ? SolveStatus::RoundOff : SolveStatus::Converged;
     }
     ++report_.backtracks;
+    refused = alpha;
+    halvings =
+        !pending && trial.feasible ? halvings_after(trial.difference, longer, halvings, alpha * decrease) : 1;
+    if (k < kRoundingProbe) halvings = std::min(halvings, kRoundingProbe - k);
     // A tiny part of the step that raises the energy by more than all of it should lower it: differences are
     // rounding of stiff elements, more than their magnitude shows. The gradient, exact still, decides.
     const bool is_hidden =
@@ -73,6 +82,14 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
   }
   report_.last_step_length = 0.0;
   return SolveStatus::LineSearchFailed;
+}
+
+// What a contact that the matrix does not know raises the energy by shrinks with a power of the length, the
+// third at least: as many halvings as bring it below what the slope promises.
+int NewtonSolver::halvings_after(double rise, double longer, int halvings, double promised) {
+  if (!(longer > rise) || !(rise > 0.0) || !(promised < 0.0)) return 1;
+  const double power = std::max(kSmallestPower, std::log2(longer / rise) / halvings);
+  return std::clamp(static_cast<int>(std::log2(rise / -promised) / (power - 1.0)), 1, kMostHalvings);
 }
 
 // Where the matrix is exact and positive definite, nothing gains more than its slope.
@@ -108,12 +125,12 @@ void NewtonSolver::lengthen_step(Objective& objective, TrialEnergy full) {
 // A step that gains all that the model promises, where one of twice its length is refused, ends before what
 // refuses the longer one: a contact, as a rule, that the matrix does not know yet. So it goes on until it
 // meets that.
-void NewtonSolver::step_nearer(Objective& objective, double alpha, TrialEnergy trial) {
+void NewtonSolver::step_nearer(Objective& objective, double alpha, double refused, TrialEnergy trial) {
   const auto promised = [&](double share) { return slope() * share * (1.0 - 0.5 * share); };
   if (trial.difference > kUnbent * promised(alpha) || is_rounding(trial.difference, alpha)) return;
-  double best = alpha, refused = 2.0 * alpha, at = alpha;
+  double best = alpha, at = alpha;
   for (int k = 0; k < kNearerTrials; ++k) {
-    at = 0.5 * (best + refused);
+    at = std::min(2.0 * best, 0.5 * (best + refused));
     const TrialEnergy nearer = objective.try_step(direction_, at);
     if (!nearer.feasible || !(nearer.difference < trial.difference)) {
       refused = at;

@@ -116,8 +116,11 @@ class NewtonSolver {
   bool is_rounding(double difference, double alpha) const;
   /// Goes beyond the full step, whose trial is known, as long as the energy keeps falling.
   void lengthen_step(Objective& objective, TrialEnergy full);
+  /// Halvings of a step that has raised the energy after one that was longer by `halvings`; promised: what
+  /// its slope gives.
+  static int halvings_after(double rise, double longer, int halvings, double promised);
   /// Goes nearer to the longer step that was refused, where the accepted one met nothing on its way.
-  void step_nearer(Objective& objective, double alpha, TrialEnergy trial);
+  void step_nearer(Objective& objective, double alpha, double refused, TrialEnergy trial);
   /// A full step on the basis of the gradient alone, where energies do not show the decrease.
   bool take_unsure_step(Objective& objective);
   /// Whether the iterate after a step is so near that the next direction may do without a new Hessian.
