@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <map>
 #include <utility>
 
@@ -27,11 +28,35 @@ Feature feature_of(const Contact& contact) {
   return feature;
 }
 
+/// Comparing arrays calls memcmp, which takes longer than three integers do.
+bool are_same(const Feature& a, const Feature& b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+
+/// Two integers in the order of the first, then of the second one, which is not negative.
+int64_t packed(int32_t first, int32_t second) {
+  return static_cast<int64_t>(first) << 32 | static_cast<uint32_t>(second);
+}
+Index2 unpacked(int64_t pair) {
+  return {static_cast<int32_t>(pair >> 32), static_cast<int32_t>(pair & 0xffffffff)};
+}
+
 struct Term {
   Feature feature;
   Contact contact;             ///< with its multiplicity
   std::vector<int32_t> cells;  ///< that have this closest feature
+  Vec3 place;                  ///< of the closest point [m]
 };
+
+/// A vertex with a part of its coefficient.
+struct Corner {
+  int32_t vertex, part;
+};
+
+/// Insertion: they are few, and std::stable_sort takes memory.
+template <typename T, typename Less>
+void sort_stably(std::vector<T>& values, Less less) {
+  for (size_t i = 1; i < values.size(); ++i)
+    for (size_t j = i; j > 0 && less(values[j], values[j - 1]); --j) std::swap(values[j], values[j - 1]);
+}
 
 /// The contacts of a point with the cells of a body. Used for one after the other.
 class PointContacts {
@@ -43,40 +68,49 @@ class PointContacts {
   /// Merges the contacts of one point with one body.
   void append_to(std::span<const Contact> raw, std::vector<Contact>& out) {
     raw_ = raw;
-    terms_.clear();
+    term_count_ = 0;
     all_edges_.clear();
     corners_.clear();
     edges_.clear();
     vertices_.clear();
+    known_ = names_of_point();
     for (const Contact& contact : raw_) add(contact, 1);
     count_edges_and_vertices();
     for (const auto& [edge, coefficient] : edges_) add_edge(edge, coefficient);
     for (const auto& [vertex, coefficient] : vertices_) add_vertex(vertex, coefficient);
+    sort_by_point_count();
     join_places();
-    std::erase_if(terms_, [](const Term& term) { return term.contact.multiplicity == 0; });
+    std::erase_if(order_, [](const Term* term) { return term->contact.multiplicity == 0; });
     name();
-    for (const Term& term : terms_) out.push_back(term.contact);
+    for (const Term* term : order_) out.push_back(term->contact);
   }
 
  private:
   bool on_triangles() const { return raw_.front().key.kind == PairKind::PointTriangle; }
   int32_t point() const { return raw_.front().key.first; }
 
-  void add(Contact contact, int32_t multiplicity) {
+  Term& term_of(const Contact& contact) {
     const Feature feature = feature_of(contact);
-    auto term = std::ranges::find(terms_, feature, &Term::feature);
-    if (term == terms_.end()) {
-      // Edges point the same way from whichever cell they come, so that terms that cancel do so in every bit.
-      if (contact.point_count == 3 && contact.sites[1] > contact.sites[2]) {
-        std::swap(contact.sites[1], contact.sites[2]);
-        std::swap(contact.weights[1], contact.weights[2]);
-      }
-      contact.multiplicity = 0;
-      terms_.push_back({feature, contact, {}});
-      term = terms_.end() - 1;
+    for (size_t t = 0; t < term_count_; ++t)
+      if (are_same(terms_[t].feature, feature)) return terms_[t];
+    if (term_count_ == terms_.size()) terms_.emplace_back();  // they stay, for their memory
+    Term& term = terms_[term_count_++];
+    term.feature = feature;
+    term.contact = contact;
+    term.contact.multiplicity = 0;
+    term.cells.clear();
+    // Edges point the same way from whichever cell they come, so that terms that cancel do so in every bit.
+    if (contact.point_count == 3 && contact.sites[1] > contact.sites[2]) {
+      std::swap(term.contact.sites[1], term.contact.sites[2]);
+      std::swap(term.contact.weights[1], term.contact.weights[2]);
     }
-    term->contact.multiplicity += multiplicity;
-    if (multiplicity > 0 && contact.key.kind != PairKey::kOther) term->cells.push_back(contact.key.second);
+    return term;
+  }
+
+  void add(const Contact& contact, int32_t multiplicity) {
+    Term& term = term_of(contact);
+    term.contact.multiplicity += multiplicity;
+    if (multiplicity > 0 && contact.key.kind != PairKey::kOther) term.cells.push_back(contact.key.second);
   }
 
   /// Edges with the number of their cells; vertices with their coefficients, 1 minus those of the cells and
@@ -89,29 +123,28 @@ class PointContacts {
         continue;
       }
       for (const Index2& edge : cells_.edges(contact.key.second)) {
-        all_edges_.push_back(edge);
-        for (const int32_t v : edge) corners_.push_back({v, -1});
+        all_edges_.push_back(packed(edge[0], edge[1]));
+        for (const int32_t v : edge) {
+          const auto of_cell =
+              std::ranges::subrange(corners_.begin() + static_cast<ptrdiff_t>(first), corners_.end());
+          if (std::ranges::find(of_cell, v, &Corner::vertex) == of_cell.end()) corners_.push_back({v, -1});
+        }
       }
-      const auto of_cell =
-          std::ranges::subrange(corners_.begin() + static_cast<ptrdiff_t>(first), corners_.end());
-      std::ranges::sort(of_cell);
-      const auto doubles = std::ranges::unique(of_cell);
-      corners_.erase(doubles.begin(), doubles.end());
     }
     std::ranges::sort(all_edges_);
     for (size_t e = 0, end = 0; e < all_edges_.size(); e = end) {
       while (end < all_edges_.size() && all_edges_[end] == all_edges_[e]) ++end;
       const int32_t coefficient = 1 - static_cast<int32_t>(end - e);
       if (coefficient == 0) continue;
-      edges_.push_back({all_edges_[e], coefficient});
-      for (const int32_t v : all_edges_[e]) corners_.push_back({v, -coefficient});
+      edges_.push_back({unpacked(all_edges_[e]), coefficient});
+      for (const int32_t v : edges_.back().first) corners_.push_back({v, -coefficient});
     }
-    std::ranges::sort(corners_);
+    std::ranges::sort(corners_, {}, &Corner::vertex);
     for (size_t c = 0, end = 0; c < corners_.size(); c = end) {
       int32_t coefficient = 1;
-      for (; end < corners_.size() && corners_[end].first == corners_[c].first; ++end)
-        coefficient += corners_[end].second;
-      if (coefficient != 0) vertices_.push_back({corners_[c].first, coefficient});
+      for (; end < corners_.size() && corners_[end].vertex == corners_[c].vertex; ++end)
+        coefficient += corners_[end].part;
+      if (coefficient != 0) vertices_.push_back({corners_[c].vertex, coefficient});
     }
   }
 
@@ -156,32 +189,45 @@ class PointContacts {
     return at;
   }
 
+  /// The terms of the largest features first.
+  void sort_by_point_count() {
+    order_.clear();
+    for (int count = 4; count >= 2; --count)
+      for (size_t t = 0; t < term_count_; ++t)
+        if (terms_[t].contact.point_count == count) order_.push_back(&terms_[t]);
+  }
+
   /// A point above a vertex or an edge is above what rounding makes of it, and above something else for each
   /// cell: such terms are one, of the largest feature.
   void join_places() {
-    std::ranges::stable_sort(terms_, std::ranges::greater{},
-                             [](const Term& t) { return t.contact.point_count; });
-    for (size_t i = 0; i < terms_.size(); ++i)
-      for (size_t j = i + 1; j < terms_.size(); ++j) {
-        Contact &a = terms_[i].contact, &b = terms_[j].contact;
-        if (a.multiplicity == 0 || b.multiplicity == 0) continue;
-        if (norm(place(a) - place(b)) > kSamePlace * a.contact_distance) continue;
-        a.multiplicity += std::exchange(b.multiplicity, 0);
-        terms_[i].cells.insert(terms_[i].cells.end(), terms_[j].cells.begin(), terms_[j].cells.end());
-        if (a.multiplicity == 0) break;
+    for (Term* term : order_) term->place = place(term->contact);
+    for (size_t i = 0; i < order_.size(); ++i)
+      for (size_t j = i + 1; j < order_.size(); ++j) {
+        Term &a = *order_[i], &b = *order_[j];
+        if (a.contact.multiplicity == 0) break;
+        if (b.contact.multiplicity == 0) continue;
+        if (norm(a.place - b.place) > kSamePlace * a.contact.contact_distance) continue;
+        a.contact.multiplicity += std::exchange(b.contact.multiplicity, 0);
+        a.cells.insert(a.cells.end(), b.cells.begin(), b.cells.end());
       }
   }
 
   // Names: keys that stay the same while a point slides.
 
   bool is_taken(int32_t cell) const {
-    return std::ranges::any_of(terms_, [&](const Term& t) {
-      return t.contact.key.kind == raw_.front().key.kind && t.contact.key.second == cell;
+    return std::ranges::any_of(order_, [&](const Term* t) {
+      return t->contact.key.kind == raw_.front().key.kind && t->contact.key.second == cell;
     });
   }
 
-  bool is_known(int32_t cell) const {
-    return std::ranges::binary_search(names_, PairKey{raw_.front().key.kind, point(), cell});
+  bool is_known(int32_t cell) const { return std::ranges::binary_search(known_, cell, {}, &PairKey::second); }
+
+  /// Those of the point with cells of all bodies.
+  std::span<const PairKey> names_of_point() const {
+    const auto of_point = [&](const PairKey& key) { return std::pair(key.kind, key.first); };
+    const auto found =
+        std::ranges::equal_range(names_, std::pair(raw_.front().key.kind, point()), {}, of_point);
+    return {found.begin(), found.end()};
   }
 
   bool touches(int32_t cell, const Term& term) const {
@@ -205,44 +251,43 @@ class PointContacts {
   }
 
   void name() {
-    for (Term& term : terms_) term.contact.key = {PairKey::kOther, point(), -1};
-    std::vector<Term*> open;  // those that push, nearest first
-    for (Term& term : terms_) {
-      std::ranges::sort(term.cells);
-      if (term.contact.multiplicity > 0) open.push_back(&term);
+    open_.clear();  // those that push, nearest first
+    for (Term* term : order_) {
+      term->contact.key = {PairKey::kOther, point(), -1};
+      std::ranges::sort(term->cells);
+      if (term->contact.multiplicity > 0) open_.push_back(term);
     }
-    std::ranges::stable_sort(open, {}, [](const Term* t) { return t->contact.distance; });
+    sort_stably(open_,
+                [](const Term* a, const Term* b) { return a->contact.distance < b->contact.distance; });
     const auto take_first = [&](const auto& cells_of, const auto& accept) {
-      std::erase_if(open, [&](Term* term) {
+      std::erase_if(open_, [&](Term* term) {
         for (const int32_t cell : cells_of(*term))
           if (accept(*term, cell) && take(*term, cell)) return true;
         return false;
       });
     };
-    const auto own = [](const Term& term) { return term.cells; };
+    const auto own = [](const Term& term) -> std::span<const int32_t> { return term.cells; };
     take_first(own, [&](const Term&, int32_t cell) { return is_known(cell); });
-    if (!open.empty() && !names_.empty()) {
+    if (!open_.empty() && !known_.empty()) {
       const std::vector<int32_t> known = known_cells();
-      take_first([&](const Term&) { return known; },
+      take_first([&](const Term&) -> std::span<const int32_t> { return known; },
                  [&](const Term& term, int32_t cell) { return touches(cell, term); });
     }
     take_first(own, [](const Term&, int32_t) { return true; });
     int32_t ordinal = 0;
-    for (Term& term : terms_)
-      if (term.contact.key.kind == PairKey::kOther)
+    for (Term* term : order_)
+      if (term->contact.key.kind == PairKey::kOther)
         // Unique among all bodies that the point touches.
-        term.contact.key.second = (raw_.front().group_b << 8) + ordinal++;
+        term->contact.key.second = (raw_.front().group_b << 8) + ordinal++;
   }
 
   /// Cells of this body that the point was known to touch.
   std::vector<int32_t> known_cells() const {
     std::vector<int32_t> known;
     const PairKind kind = raw_.front().key.kind;
-    for (auto n = std::ranges::lower_bound(names_, PairKey{kind, point(), 0});
-         n != names_.end() && n->kind == kind && n->first == point(); ++n) {
-      const int32_t group = groups_of(*geometry_.mesh, second_kind(kind))[n->second];
-      if (group == raw_.front().group_b) known.push_back(n->second);
-    }
+    const auto groups = groups_of(*geometry_.mesh, second_kind(kind));
+    for (const PairKey& name : known_)
+      if (groups[name.second] == raw_.front().group_b) known.push_back(name.second);
     return known;
   }
 
@@ -251,9 +296,12 @@ class PointContacts {
   std::span<const PairKey> names_;
   std::span<const Vec3> x_;
   std::span<const Contact> raw_;
-  std::vector<Term> terms_;
-  std::vector<Index2> all_edges_;                      ///< one by one
-  std::vector<std::pair<int32_t, int32_t>> corners_;   ///< vertices with parts of their coefficients
+  std::span<const PairKey> known_;  ///< names of the point
+  std::deque<Term> terms_;          ///< the first term_count_ are used
+  size_t term_count_ = 0;
+  std::vector<Term*> order_, open_;  ///< those that are left; those without a name
+  std::vector<int64_t> all_edges_;   ///< one by one, packed
+  std::vector<Corner> corners_;
   std::vector<std::pair<Index2, int32_t>> edges_;      ///< with coefficients other than 0
   std::vector<std::pair<int32_t, int32_t>> vertices_;  ///< the same
 };
