@@ -102,7 +102,8 @@ std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
   if (const auto reason = reason_to_stop(objective)) return reason;
   const bool pending = objective.has_pending_motion();
   const SolveReport before = report_;
-  if (!find_simplified_direction(objective))
+  const bool is_simplified = find_simplified_direction(objective);
+  if (!is_simplified)
     if (const auto failure = find_direction(objective)) return failure;
   report_.last_motion = objective.motion(direction_);
   report_.is_at_rounding = false;
@@ -123,7 +124,8 @@ std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
   const bool is_last = converged && !is_cut_short(searched);
   if (!is_last) ++report_.iterations;
   if (searched == SolveStatus::RoundOff) ++progress_.round_off_steps;
-  if (is_last && !progress_.is_hessian_exact) look_back(objective);
+  const bool is_unseen = is_simplified && searched == SolveStatus::RoundOff && report_.lag_updates > 0;
+  if (is_last && (is_unseen || !progress_.is_hessian_exact)) look_back(objective);
   if (is_last) return refresh_lagged(objective, SolveStatus::Converged);
   if (searched == SolveStatus::RoundOff && progress_.round_off_steps >= kRoundOffIterations)
     return refresh_lagged(objective, SolveStatus::RoundOff);
@@ -172,8 +174,10 @@ bool NewtonSolver::is_cut_short(SolveStatus searched) {
          progress_.cut_short++ < kCutShortLimit;
 }
 
-// A projected matrix knows nothing of a way down between two ways up, and steps along it may add to forces.
+// A projected matrix knows nothing of a way down between two ways up, and one of before a refresh nothing of
+// friction that is new: steps along them may add to forces where energies do not show it.
 void NewtonSolver::look_back(Objective& objective) {
+  if (report_.last_motion == 0.0) return;
   const SolveReport found = report_;
   objective.evaluate_gradient(gradient_);
   read_gradient(objective);
