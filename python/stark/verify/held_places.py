@@ -15,6 +15,15 @@ from .reading import State, place_width
 Floats = NDArray[np.float64]
 
 
+def held_bodies(scene: dict[str, Any]) -> set[int]:
+    """Bodies that joints or attachments hold, or are held by."""
+    sides = [part[side] for part in scene["joints"] for side in ("a", "b")]
+    for attachment in scene["attachments"]:
+        sides += [attachment["a"], *attachment.get("b", ())]
+    bodies = {side["body"] for side in sides if "body" in side}
+    return bodies | {part["patch_body"] for part in scene["attachments"] if "patches" in part}
+
+
 def places(state: State, part: dict[str, Any]) -> Floats | None:
     """Numbers of a joint or an attachment in a state; None for one that has none."""
     width = place_width(part)

@@ -34,6 +34,11 @@ class Step:
     lasting: float = 0.0  # share of the increment by contact that goes on
     is_resolved: bool = False  # whether contact is as other forces
 
+    @property
+    def is_impact(self) -> bool:
+        """Whether velocities at its end are its mean ones; forces of joints then count as contact."""
+        return self.history > 0.0 and self.ahead == 0.0
+
 
 def kinds_of_step(h: float, before: float, has_history: bool, lasting: float) -> list[Step]:
     """What a step of length h may have been, after one of length ``before`` [s]; which of them it was follows

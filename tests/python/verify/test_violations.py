@@ -524,3 +524,29 @@ def test_energy_and_momentum_of_bdf2_are_those_of_the_states(
     run = Path(shutil.copytree(run_of_bdf2, tmp_path / "run"))
     edit_rows(run, _set(7, *keys, factor=1.0 + 1e-6))
     assert claim in _violated(verify(run))
+
+
+def test_what_joints_give_in_an_impact_is_no_lag(tmp_path: Path) -> None:
+    """A door in space hits its stop, which no contact tells of; a free box beside it is looked at as ever."""
+    scene = stark.Scene("door")
+    frame = scene.add_box((0.2, 0.02, 0.2), name="frame", density=500.0, position=(-0.2, 0.0, 0.0))
+    door = scene.add_box(
+        (0.2, 0.02, 0.2),
+        name="door",
+        density=900.0,
+        position=(0.2, 0.0, 0.0),
+        angular_velocity=(0.0, 0.0, 5.0),
+    )
+    scene.add_hinge(frame, door, (0.0, 0.0, 0.0), (0, 0, 1), limits=(-0.3, 0.3))
+    scene.add_box(0.05, name="free", density=500.0, position=(0.0, 0.0, 2.0), velocity=(1.0, 0.0, 0.0))
+    settings = {"time_step": 0.01, "time.integrator": "bdf2", "gravity": (0.0, 0.0, 0.0)}
+    run = record(tmp_path / "run", scene, 15, **settings)
+    certificate = verify(run)
+    assert certificate.verdict == "certified", certificate.text()
+    assert certificate["stops"].status == "verified"
+
+    def change(array: np.ndarray, times: np.ndarray) -> None:
+        array[5] += 1e-6
+
+    edit_states(run, "lags_0002", change)
+    assert {"reported_energies", "reported_momentum"} <= _violated(verify(run))
