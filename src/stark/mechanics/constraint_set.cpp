@@ -98,6 +98,19 @@ void ConstraintSet::set_forces(std::span<const double> forces) {
   write_inputs();
 }
 
+void ConstraintSet::set_inputs(const Inputs& inputs) {
+  multipliers_ = inputs.multipliers;
+  penalties_ = inputs.penalties;
+  write_inputs();
+}
+
+std::vector<char> ConstraintSet::one_sided() const {
+  std::vector<char> result(multipliers_.size());
+  for (const Place& place : places_)
+    std::ranges::copy(groups_[place.group].joint->one_sided(), result.begin() + place.residual);
+  return result;
+}
+
 void ConstraintSet::write_inputs() {
   for (ConstraintGroup& group : groups_) {
     const size_t count = group.joint->units().size();
@@ -117,14 +130,20 @@ void ConstraintSet::write_inputs() {
   }
 }
 
-double ConstraintSet::update(std::span<const Vec3> x) {
-  const double violation = worst(x, enabled_, wanted_).ratio;
+double ConstraintSet::update(std::span<const Vec3> x, const Relief& held) {
+  std::vector<double> C = residuals(x);
+  double violation = worst_of(C, enabled_, wanted_).ratio;
   if (!(violation > 1.0)) return 0.0;
-  const auto give_up = [&] { return worst(x).ratio > 1.0 ? std::numeric_limits<double>::infinity() : 0.0; };
+  const bool holds = worst_of(C, enabled_, tolerance_).ratio <= 1.0;
+  const auto give_up = [&] { return holds ? 0.0 : std::numeric_limits<double>::infinity(); };
+  if (holds && held) {
+    C = held();
+    violation = worst_of(C, enabled_, wanted_).ratio;
+    if (!(violation > 1.0)) return 0.0;
+  }
   idle_updates_ = violation < 0.5 * smallest_violation_ ? 0 : idle_updates_ + 1;
   if (idle_updates_ == 0) smallest_violation_ = violation;
   if (idle_updates_ >= kIdleUpdateLimit) return give_up();
-  const std::vector<double> C = residuals(x);
   double change = 0.0;
   for (int32_t j = 0; j < joint_count_; ++j) {
     const Joint& joint = *groups_[places_[j].group].joint;
@@ -177,10 +196,9 @@ std::vector<double> ConstraintSet::reactions(std::span<const double> residuals) 
   return result;
 }
 
-ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x, std::span<const double> enabled,
-                                              const ConstraintTolerance& tolerance) const {
+ConstraintSet::Violation ConstraintSet::worst_of(std::span<const double> C, std::span<const double> enabled,
+                                                 const ConstraintTolerance& tolerance) const {
   Violation worst;
-  const std::vector<double> C = residuals(x);
   for (int32_t j = 0; j < joint_count_; ++j) {
     const Joint& joint = *groups_[places_[j].group].joint;
     int64_t r = places_[j].residual;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <span>
@@ -69,14 +70,27 @@ class ConstraintSet {
   /// Updates multipliers and penalties where residuals at x are beyond the wanted tolerances. Returns the
   /// largest change of a multiplier [N, N m], 0 when everything is held as wanted, or within the tolerances
   /// and a series of updates brought nothing; infinity when that is beyond them, or no side of what is apart
-  /// has unknowns.
-  double update(std::span<const Vec3> x);
+  /// has unknowns. Within the tolerances, what counts are the residuals that `held` returns, if there is
+  /// one: those at x less what constraints in loops do to each other.
+  using Relief = std::function<std::vector<double>()>;
+  double update(std::span<const Vec3> x, const Relief& held = {});
   /// Forces that hold the residuals: the multipliers of the next step.
   std::vector<double> next_multipliers(std::span<const double> residuals) const;
 
   /// Forces lambda + rho C that act, by residual: those on what carries frame a are minus these times the
   /// gradient of the residual.
   std::vector<double> reactions(std::span<const double> residuals) const;
+
+  /// Multipliers [N, N m] and penalties [N/m, N m] by residual, which decide what joints pull with.
+  struct Inputs {
+    std::vector<double> multipliers, penalties;
+  };
+  Inputs inputs() const { return {multipliers_, penalties_}; }
+  void set_inputs(const Inputs& inputs);
+  const std::vector<double>& multipliers() const { return multipliers_; }
+  const std::vector<double>& penalties() const { return penalties_; }
+  /// Which residuals hold at or below zero, by residual.
+  std::vector<char> one_sided() const;
 
   /// Largest residual over its tolerance at x, and whose it is.
   struct Violation {
@@ -88,7 +102,9 @@ class ConstraintSet {
   Violation worst(std::span<const Vec3> x) const { return worst(x, enabled_, tolerance_); }
   /// The same between steps, of the joints that are enabled.
   Violation worst(std::span<const Vec3> x, std::span<const double> enabled,
-                  const ConstraintTolerance& tolerance) const;
+                  const ConstraintTolerance& tolerance) const {
+    return worst_of(residuals(x), enabled, tolerance);
+  }
 
   /// Residuals or coordinates at x, in the order of groups and elements.
   std::vector<double> residuals(std::span<const Vec3> x) const;
@@ -102,6 +118,8 @@ class ConstraintSet {
 
  private:
   void write_inputs();
+  Violation worst_of(std::span<const double> residuals, std::span<const double> enabled,
+                     const ConstraintTolerance& tolerance) const;
 
   std::vector<ConstraintGroup> groups_;
   std::vector<Place> places_;  ///< by joint

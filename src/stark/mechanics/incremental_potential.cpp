@@ -271,15 +271,29 @@ bool IncrementalPotential::take_back() {
 
 double IncrementalPotential::refresh_lagged(int round) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
-  const double violation = constraints_ ? constraints_->update(x_) : 0.0;
-  if (!active_set_ || round >= active_set_updates_) return violation;
-  const double change = active_set_->refresh_lagged(x_);
-  if (change > 0.0 && violation == 0.0 && round > 0) {
-    settled_ = iterate_;
-    active_set_->keep_lagged();
-  }
+  const ConstraintSet::Inputs inputs = constraints_ ? constraints_->inputs() : ConstraintSet::Inputs{};
+  const double violation = update_constraints();
+  const double change = active_set_ && round < active_set_updates_ ? active_set_->refresh_lagged(x_) : 0.0;
+  // Joints that are within their tolerances are held enough if the updates beyond them lead nowhere.
+  const bool is_held = violation == 0.0 || constraints_->worst(x_).ratio <= 1.0;
+  const bool goes_on = active_set_ ? change > 0.0 && round > 0 : violation > 0.0;
+  if (is_held && goes_on) settle(inputs);
   return std::max(change, violation);
 }
+
+void IncrementalPotential::settle(const ConstraintSet::Inputs& inputs) {
+  settled_ = iterate_;
+  if (constraints_) settled_inputs_ = inputs;
+  if (active_set_) active_set_->keep_lagged();
+}
+
+double IncrementalPotential::update_constraints() {
+  if (!constraints_) return 0.0;
+  if (!self_stress_) return constraints_->update(x_);
+  return constraints_->update(x_, [&] { return self_stress_->held(iterate_, x_); });
+}
+
+SelfStress::End IncrementalPotential::end_constraints() const { return self_stress_->end(iterate_, x_); }
 
 void IncrementalPotential::refresh_early() {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
@@ -293,6 +307,7 @@ bool IncrementalPotential::restore_settled() {
   settled_.reset();
   map_.positions(iterate_, x_);
   place_prescribed(1.0, x_);
+  if (constraints_) constraints_->set_inputs(*settled_inputs_);
   if (active_set_) {
     active_set_->restore_lagged();
     active_set_->update(x_);

@@ -15,6 +15,7 @@
 #include <stark/mechanics/active_set.h>
 #include <stark/mechanics/assembler.h>
 #include <stark/mechanics/constraint_set.h>
+#include <stark/mechanics/self_stress.h>
 #include <stark/solve/objective.h>
 
 namespace stark {
@@ -37,6 +38,11 @@ class IncrementalPotential final : public Objective {
   void set_active_set_updates(int updates) { active_set_updates_ = updates; }
   /// How far a site may move within a minimisation before that counts as running away [m].
   void set_motion_limit(double limit) { motion_limit_ = limit; }
+
+  /// What takes from joints in loops what they do to each other.
+  void set_self_stress(SelfStress* self_stress) { self_stress_ = self_stress; }
+  /// What constraints leave to the next step, less that.
+  SelfStress::End end_constraints() const;
 
   /// Starts a minimisation from `start` towards the prescribed poses and points of `target` (free parts of
   /// `target` are ignored).
@@ -69,6 +75,8 @@ class IncrementalPotential final : public Objective {
   std::span<const Vec3> block_positions() const override { return block_positions_; }
 
  private:
+  double update_constraints();
+  void settle(const ConstraintSet::Inputs& inputs);
   void update_active_set(Curvature curvature);
   void set_trial(std::span<const double> direction, double alpha);
   double bound_rotation(std::span<const double> direction, double max_rotation, double longest) const;
@@ -78,13 +86,15 @@ class IncrementalPotential final : public Objective {
   Assembler& assembler_;
   ActiveSet* active_set_;
   ConstraintSet* constraints_;
+  SelfStress* self_stress_ = nullptr;
   int active_set_updates_ = 1;
   std::vector<BlockScale> scales_;
   PhaseTimer& timer_;
   Configuration start_, iterate_, trial_, target_;
-  std::optional<Configuration> settled_;  ///< converged but for lagged quantities of the active set
-  std::vector<Vec3> x_, x_trial_;         ///< by site [m]
-  std::optional<double> trial_alpha_;     ///< that trial_ and x_trial_ are at, while they are
+  std::optional<Configuration> settled_;                 ///< converged but for lagged quantities
+  std::optional<ConstraintSet::Inputs> settled_inputs_;  ///< of constraints, with which it has converged
+  std::vector<Vec3> x_, x_trial_;                        ///< by site [m]
+  std::optional<double> trial_alpha_;                    ///< that trial_ and x_trial_ are at, while they are
   std::vector<double> trial_direction_;
   std::vector<Vec3> x_start_;  ///< of the minimisation, where motion is limited
   double motion_limit_ = std::numeric_limits<double>::infinity();

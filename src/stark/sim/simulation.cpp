@@ -115,6 +115,10 @@ void Simulation::make_solver() {
   assembler_->set_static_batches(energies_.all_batches(), quadrature);
   potential_ = std::make_unique<IncrementalPotential>(
       model_->map(), *assembler_, contact_.get(), &energies_.constraints, model_->block_scales(), *timer_);
+  if (energies_.constraints.joint_count() > 0) {
+    self_stress_ = std::make_unique<SelfStress>(model_->map(), energies_.constraints, *pool_);
+    potential_->set_self_stress(self_stress_.get());
+  }
   potential_->set_active_set_updates(settings_.contact.friction_updates);
   if (!has_inertia(settings_.time.integrator)) potential_->set_motion_limit(kFarthestMotion * scene_size());
   linear_solver_ = make_linear_solver(settings_.linear, *pool_);

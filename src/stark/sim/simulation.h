@@ -299,6 +299,7 @@ class Simulation {
   std::unique_ptr<ContactPipeline> contact_;
   std::unique_ptr<IntersectionFinder> intersections_;  ///< null without contact
   std::unique_ptr<Assembler> assembler_;
+  std::unique_ptr<SelfStress> self_stress_;
   std::unique_ptr<IncrementalPotential> potential_;
   std::unique_ptr<LinearSolver> linear_solver_;
   std::vector<Vec3> step_start_;  ///< site positions that the last step started from [m]; or empty

@@ -144,12 +144,13 @@ void StepJoints::forget_history() {
 }
 
 void StepJoints::commit() {
-  const ConstraintSet& constraints = energies_.constraints;
+  ConstraintSet& constraints = energies_.constraints;
   if (constraints.joint_count() == 0) return;
   const std::span<const Vec3> x = potential_.site_positions();
-  const std::vector<double> residuals = constraints.residuals(x);
-  state_.joint_multiplier = constraints.next_multipliers(residuals);
-  state_.joint_force = constraints.reactions(residuals);
+  SelfStress::End end = potential_.end_constraints();
+  state_.joint_multiplier = std::move(end.multipliers);
+  state_.joint_force = std::move(end.forces);
+  constraints.set_forces(state_.joint_force);  // what loops do to themselves is not read, and breaks nothing
   commit_joints(x);
   commit_attachments();
   commit_actuators(x);

@@ -1,0 +1,221 @@
+#include <stark/mechanics/self_stress.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace stark {
+
+namespace {
+
+/// Of the stiffness of joints: what holds the motions that they leave free.
+constexpr double kHeld = 1e-8;
+/// Solutions with what the one before has left, which is a small part of what kHeld holds.
+constexpr int kPasses = 2;
+/// Independent rows that a constraint of two frames has at most.
+constexpr size_t kMostRows = 6;
+/// Largest motion of the differences that residuals are compared over [m, rad].
+constexpr double kProbe = 1e-5;
+
+size_t diagonal_slot(const BlockMatrix& matrix, int32_t block) {
+  return 9 * static_cast<size_t>(matrix.pattern.row_start[block]);
+}
+
+}  // namespace
+
+SelfStress::SelfStress(const KinematicMap& map, ConstraintSet& constraints, ThreadPool& pool)
+    : map_(map), constraints_(constraints) {
+  std::vector<PotentialBatch*> batches;
+  for (ConstraintGroup& group : constraints.groups()) {
+    if (group.joint->units().empty()) continue;
+    batches.push_back(&group.batch);
+    for (int64_t e = 0; e < group.batch.size(); ++e) {
+      Member member{group.joints[e], std::min(group.joint->units().size(), kMostRows), {}};
+      for (const int32_t site : group.batch.stencil(e)) map.append_blocks(site, member.blocks);
+      std::ranges::sort(member.blocks);
+      const auto doubled = std::ranges::unique(member.blocks);
+      member.blocks.erase(doubled.begin(), doubled.end());
+      members_.push_back(std::move(member));
+    }
+  }
+  if (!has_loop({})) return;
+  assembler_ = std::make_unique<Assembler>(map, pool);
+  assembler_->set_static_batches(batches);
+  LinearSettings settings;
+  settings.solver = "cholesky";
+  solver_ = make_linear_solver(settings, pool);
+}
+
+// What is held by blocks that nothing else holds has forces of its own; without it the next one may, from the
+// ends of chains to their roots. What is left are loops. `forces`: none for all that may act.
+bool SelfStress::has_loop(std::span<const double> forces) const {
+  const auto acts = [&](const Member& member) {
+    const ConstraintSet::Place& place = constraints_.place(member.joint);
+    const size_t rows = constraints_.groups()[place.group].joint->units().size();
+    return forces.empty() || std::ranges::any_of(forces.subspan(static_cast<size_t>(place.residual), rows),
+                                                 [](double force) { return force != 0.0; });
+  };
+  std::vector<int32_t> holders(map_.layout().block_count), last(holders.size());
+  std::vector<bool> is_left(members_.size());
+  size_t left = 0;
+  const auto count = [&](size_t m, int32_t step) {
+    is_left[m] = step > 0;
+    left += static_cast<size_t>(step);
+    for (const int32_t block : members_[m].blocks) {
+      holders[block] += step;
+      last[block] ^= static_cast<int32_t>(m);  // of one holder, its number
+    }
+  };
+  std::vector<size_t> ends;
+  const auto is_end = [&](size_t m) {
+    size_t rows = 0;
+    for (const int32_t block : members_[m].blocks) rows += holders[block] == 1 ? 3 : 0;
+    return rows >= members_[m].rows;
+  };
+  for (size_t m = 0; m < members_.size(); ++m)
+    if (acts(members_[m]) && !members_[m].blocks.empty()) count(m, 1);
+  for (size_t m = 0; m < members_.size(); ++m)
+    if (is_left[m] && is_end(m)) ends.push_back(m);
+  while (!ends.empty()) {
+    const size_t end = ends.back();
+    ends.pop_back();
+    if (!is_left[end]) continue;
+    count(end, -1);
+    for (const int32_t block : members_[end].blocks)
+      if (holders[block] == 1 && is_end(static_cast<size_t>(last[block])))
+        ends.push_back(static_cast<size_t>(last[block]));
+  }
+  return left > 0;
+}
+
+std::vector<double> SelfStress::held(const Configuration& configuration, std::span<const Vec3> x) {
+  std::vector<double> residuals = constraints_.residuals(x);
+  const std::vector<bool> acts = acting(residuals);
+  if (acts.empty()) return residuals;
+  factorise(configuration, x);
+  if (const std::optional<std::vector<double>> pushed = by_residuals(configuration, x, residuals, acts))
+    for (size_t r = 0; r < residuals.size(); ++r)
+      if (acts[r]) residuals[r] = (*pushed)[r] / constraints_.penalties()[r];
+  return residuals;
+}
+
+SelfStress::End SelfStress::end(const Configuration& configuration, std::span<const Vec3> x) {
+  const std::vector<double> residuals = constraints_.residuals(x);
+  End end{constraints_.reactions(residuals), constraints_.next_multipliers(residuals)};
+  const std::vector<bool> acts = acting(residuals);
+  if (acts.empty()) return end;
+  factorise(configuration, x);
+  const std::optional<std::vector<double>> forces = moving_part(configuration, x, end.forces, acts);
+  const std::optional<std::vector<double>> pushed = by_residuals(configuration, x, residuals, acts);
+  if (!forces || !pushed) return end;
+  const std::vector<char> one_sided = constraints_.one_sided();
+  for (size_t r = 0; r < residuals.size(); ++r) {
+    if (!acts[r]) continue;
+    end.forces[r] = (*forces)[r];
+    end.multipliers[r] = (*forces)[r] + (*pushed)[r] - constraints_.penalties()[r] * residuals[r];
+    if (one_sided[r] == 0) continue;
+    end.forces[r] = std::max(0.0, end.forces[r]);
+    end.multipliers[r] = std::max(0.0, end.multipliers[r]);
+  }
+  return end;
+}
+
+std::vector<bool> SelfStress::acting(std::span<const double> residuals) const {
+  if (!assembler_) return {};
+  const std::vector<double> forces = constraints_.reactions(residuals);
+  if (!has_loop(forces)) return {};
+  std::vector<bool> acts(forces.size());
+  const std::vector<char> one_sided = constraints_.one_sided();
+  for (size_t r = 0; r < forces.size(); ++r)
+    acts[r] = constraints_.penalties()[r] > 0.0 && (one_sided[r] == 0 || forces[r] > 0.0);
+  return acts;
+}
+
+std::optional<std::vector<double>> SelfStress::by_residuals(const Configuration& configuration,
+                                                            std::span<const Vec3> x,
+                                                            std::span<const double> residuals,
+                                                            const std::vector<bool>& acts) {
+  std::vector<double> forces(residuals.size());
+  for (size_t r = 0; r < forces.size(); ++r)
+    if (acts[r]) forces[r] = constraints_.penalties()[r] * residuals[r];
+  return moving_part(configuration, x, std::move(forces), acts);
+}
+
+void SelfStress::factorise(const Configuration& configuration, std::span<const Vec3> x) {
+  const size_t blocks = static_cast<size_t>(map_.layout().block_count);
+  gradient_.assign(3 * blocks, 0.0);
+  assembler_->assemble(configuration, x, {.project = true, .pending = {}}, gradient_, hessian_);
+  for (size_t b = 0; b < blocks; ++b) {
+    double* diagonal = hessian_.values.data() + diagonal_slot(hessian_, static_cast<int32_t>(b));
+    const double stiffness = diagonal[0] + diagonal[4] + diagonal[8];
+    for (const size_t k : {0, 4, 8}) diagonal[k] += stiffness > 0.0 ? kHeld * stiffness : 1.0;
+  }
+  solver_->begin_step();
+  is_factorised_ = false;
+}
+
+std::optional<std::vector<double>> SelfStress::moving_part(const Configuration& configuration,
+                                                           std::span<const Vec3> x,
+                                                           std::vector<double> forces,
+                                                           const std::vector<bool>& acts) {
+  std::vector<double> sum(forces.size());
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const std::vector<double> u = displacements(configuration, x, forces);
+    if (u.empty()) return {};
+    const std::vector<double> rate = rates(configuration, x, u);
+    for (size_t r = 0; r < sum.size(); ++r) {
+      if (!acts[r]) continue;
+      const double force = constraints_.penalties()[r] * rate[r];
+      sum[r] += force;
+      forces[r] -= force;
+    }
+  }
+  return sum;
+}
+
+std::vector<double> SelfStress::displacements(const Configuration& configuration, std::span<const Vec3> x,
+                                              std::span<const double> forces) {
+  // Rows of one side pull with positive forces alone, so what is negative there is taken off.
+  const std::vector<char> one_sided = constraints_.one_sided();
+  std::vector<double> positive(forces.begin(), forces.end()), negative(forces.size());
+  for (size_t r = 0; r < forces.size(); ++r)
+    if (one_sided[r] != 0 && forces[r] < 0.0) positive[r] = 0.0, negative[r] = -forces[r];
+  std::vector<double> taken_off(gradient_.size()), result(gradient_.size());
+  const ConstraintSet::Inputs inputs = constraints_.inputs();
+  constraints_.set_forces(positive);
+  assembler_->assemble_gradient(configuration, x, gradient_);
+  if (std::ranges::any_of(negative, [](double force) { return force > 0.0; })) {
+    constraints_.set_forces(negative);
+    assembler_->assemble_gradient(configuration, x, taken_off);
+    for (size_t i = 0; i < gradient_.size(); ++i) gradient_[i] -= taken_off[i];
+  }
+  constraints_.set_inputs(inputs);
+  const LinearSystem system{.A = hessian_, .b = gradient_};
+  const LinearSolveReport solved =
+      is_factorised_ ? solver_->solve_again(system, result) : solver_->solve(system, result);
+  is_factorised_ = solved.ok;
+  const bool is_finite = std::ranges::all_of(result, [](double u) { return std::isfinite(u); });
+  if (!solved.ok || !is_finite) result.clear();
+  return result;
+}
+
+std::vector<double> SelfStress::rates(const Configuration& configuration, std::span<const Vec3> x,
+                                      std::span<const double> displacements) const {
+  double largest = 0.0;
+  for (const double value : displacements) largest = std::max(largest, std::fabs(value));
+  std::vector<double> rate(static_cast<size_t>(constraints_.residual_count()));
+  if (largest == 0.0) return rate;
+  const double scale = kProbe / largest;
+  Configuration moved;
+  std::vector<Vec3> sites(x.size());
+  for (const double sign : {1.0, -1.0}) {
+    map_.retract(configuration, displacements, sign * scale, KinematicMap::Way::Straight, moved);
+    map_.positions(moved, sites);
+    for (int32_t i = 0; i < map_.site_count(); ++i)
+      if (map_.is_prescribed(i)) sites[i] = x[i];
+    const std::vector<double> values = constraints_.residuals(sites);
+    for (size_t r = 0; r < rate.size(); ++r) rate[r] += sign * values[r] / (2.0 * scale);
+  }
+  return rate;
+}
+
+}  // namespace stark
