@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace stark {
 
@@ -16,14 +17,23 @@ constexpr size_t kMostRows = 6;
 /// Largest motion of the differences that residuals are compared over [m, rad].
 constexpr double kProbe = 1e-5;
 
+bool is_any(const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); }
+
+/// Number that stands for all blocks that are joined.
+int32_t root_of(std::vector<int32_t>& parent, int32_t block) {
+  while (parent[block] != block) block = parent[block] = parent[parent[block]];
+  return block;
+}
+
 size_t diagonal_slot(const BlockMatrix& matrix, int32_t block) {
   return 9 * static_cast<size_t>(matrix.pattern.row_start[block]);
 }
 
 }  // namespace
 
-SelfStress::SelfStress(const KinematicMap& map, ConstraintSet& constraints, ThreadPool& pool)
-    : map_(map), constraints_(constraints) {
+SelfStress::SelfStress(const KinematicMap& map, ConstraintSet& constraints, ThreadPool& pool,
+                       std::function<bool(int32_t)> may_break)
+    : map_(map), constraints_(constraints), may_break_(std::move(may_break)) {
   std::vector<PotentialBatch*> batches;
   for (ConstraintGroup& group : constraints.groups()) {
     if (group.joint->units().empty()) continue;
@@ -37,7 +47,7 @@ SelfStress::SelfStress(const KinematicMap& map, ConstraintSet& constraints, Thre
       members_.push_back(std::move(member));
     }
   }
-  if (!has_loop({})) return;
+  if (!is_any(in_loops(std::vector<bool>(members_.size(), true)))) return;
   assembler_ = std::make_unique<Assembler>(map, pool);
   assembler_->set_static_batches(batches);
   LinearSettings settings;
@@ -45,21 +55,21 @@ SelfStress::SelfStress(const KinematicMap& map, ConstraintSet& constraints, Thre
   solver_ = make_linear_solver(settings, pool);
 }
 
+size_t SelfStress::row_count(const Member& member) const {
+  return constraints_.groups()[constraints_.place(member.joint).group].joint->units().size();
+}
+
+size_t SelfStress::first_row(const Member& member) const {
+  return static_cast<size_t>(constraints_.place(member.joint).residual);
+}
+
 // What is held by blocks that nothing else holds has forces of its own; without it the next one may, from the
-// ends of chains to their roots. What is left are loops. `forces`: none for all that may act.
-bool SelfStress::has_loop(std::span<const double> forces) const {
-  const auto acts = [&](const Member& member) {
-    const ConstraintSet::Place& place = constraints_.place(member.joint);
-    const size_t rows = constraints_.groups()[place.group].joint->units().size();
-    return forces.empty() || std::ranges::any_of(forces.subspan(static_cast<size_t>(place.residual), rows),
-                                                 [](double force) { return force != 0.0; });
-  };
+// ends of chains to their roots. What is left are loops.
+std::vector<bool> SelfStress::in_loops(const std::vector<bool>& acts) const {
   std::vector<int32_t> holders(map_.layout().block_count), last(holders.size());
   std::vector<bool> is_left(members_.size());
-  size_t left = 0;
   const auto count = [&](size_t m, int32_t step) {
     is_left[m] = step > 0;
-    left += static_cast<size_t>(step);
     for (const int32_t block : members_[m].blocks) {
       holders[block] += step;
       last[block] ^= static_cast<int32_t>(m);  // of one holder, its number
@@ -72,7 +82,7 @@ bool SelfStress::has_loop(std::span<const double> forces) const {
     return rows >= members_[m].rows;
   };
   for (size_t m = 0; m < members_.size(); ++m)
-    if (acts(members_[m]) && !members_[m].blocks.empty()) count(m, 1);
+    if (acts[m] && !members_[m].blocks.empty()) count(m, 1);
   for (size_t m = 0; m < members_.size(); ++m)
     if (is_left[m] && is_end(m)) ends.push_back(m);
   while (!ends.empty()) {
@@ -84,7 +94,26 @@ bool SelfStress::has_loop(std::span<const double> forces) const {
       if (holders[block] == 1 && is_end(static_cast<size_t>(last[block])))
         ends.push_back(static_cast<size_t>(last[block]));
   }
-  return left > 0;
+  return is_left;
+}
+
+std::vector<bool> SelfStress::joined_to_torn(const std::vector<bool>& acts,
+                                             const std::vector<bool>& loops) const {
+  std::vector<int32_t> parent(map_.layout().block_count);
+  std::iota(parent.begin(), parent.end(), 0);
+  for (size_t m = 0; m < members_.size(); ++m)
+    if (acts[m])
+      for (const int32_t block : members_[m].blocks)
+        parent[root_of(parent, block)] = root_of(parent, members_[m].blocks.front());
+  std::vector<bool> is_torn(parent.size());
+  for (size_t m = 0; m < members_.size(); ++m)
+    if (loops[m] && may_break_(members_[m].joint))
+      is_torn[root_of(parent, members_[m].blocks.front())] = true;
+  std::vector<bool> result(members_.size());
+  for (size_t m = 0; m < members_.size(); ++m)
+    result[m] =
+        acts[m] && !members_[m].blocks.empty() && is_torn[root_of(parent, members_[m].blocks.front())];
+  return result;
 }
 
 std::vector<double> SelfStress::held(const Configuration& configuration, std::span<const Vec3> x) {
@@ -122,12 +151,23 @@ SelfStress::End SelfStress::end(const Configuration& configuration, std::span<co
 std::vector<bool> SelfStress::acting(std::span<const double> residuals) const {
   if (!assembler_) return {};
   const std::vector<double> forces = constraints_.reactions(residuals);
-  if (!has_loop(forces)) return {};
-  std::vector<bool> acts(forces.size());
   const std::vector<char> one_sided = constraints_.one_sided();
+  std::vector<bool> rows(forces.size());
   for (size_t r = 0; r < forces.size(); ++r)
-    acts[r] = constraints_.penalties()[r] > 0.0 && (one_sided[r] == 0 || forces[r] > 0.0);
-  return acts;
+    rows[r] = constraints_.penalties()[r] > 0.0 && (one_sided[r] == 0 || forces[r] > 0.0);
+  std::vector<bool> acts(members_.size());
+  for (size_t m = 0; m < members_.size(); ++m)
+    for (size_t k = 0; k < row_count(members_[m]); ++k)
+      if (rows[first_row(members_[m]) + k]) acts[m] = true;
+  std::vector<bool> loops = in_loops(acts);
+  const std::vector<bool> torn = joined_to_torn(acts, loops);
+  for (size_t m = 0; m < members_.size(); ++m) {
+    if (!torn[m]) continue;
+    loops[m] = false;
+    for (size_t k = 0; k < row_count(members_[m]); ++k) rows[first_row(members_[m]) + k] = false;
+  }
+  if (!is_any(loops)) rows.clear();
+  return rows;
 }
 
 std::optional<std::vector<double>> SelfStress::by_residuals(const Configuration& configuration,

@@ -3,6 +3,7 @@
 // tolerances, which no motion closes, would raise them from step to step without end. [theory eq. 25a]
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -16,8 +17,10 @@ namespace stark {
 
 class SelfStress {
  public:
-  /// Constraints whose groups and stencils stay as they are.
-  SelfStress(const KinematicMap& map, ConstraintSet& constraints, ThreadPool& pool);
+  /// Constraints whose groups and stencils stay as they are. `may_break`, by number: loops with such ones are
+  /// torn, and keep all forces.
+  SelfStress(const KinematicMap& map, ConstraintSet& constraints, ThreadPool& pool,
+             std::function<bool(int32_t)> may_break);
 
   /// By residual, with sites at x: the part C' of which the forces rho C' move bodies as rho C does and are
   /// the least that do, weighed by 1 / rho; C itself where no constraints that act are in a loop.
@@ -38,8 +41,14 @@ class SelfStress {
     std::vector<int32_t> blocks;  ///< each once
   };
 
-  bool has_loop(std::span<const double> forces) const;
-  /// Which residuals act in a step that ends with these; empty where no constraints that act are in a loop.
+  /// Which of the members that act are in loops.
+  std::vector<bool> in_loops(const std::vector<bool>& acts) const;
+  /// Which of the members that act are joined to a loop that may break.
+  std::vector<bool> joined_to_torn(const std::vector<bool>& acts, const std::vector<bool>& loops) const;
+  size_t row_count(const Member& member) const;
+  size_t first_row(const Member& member) const;
+  /// Which residuals act in a step that ends with these, but for loops that may break; empty where nothing
+  /// that acts is in another loop.
   std::vector<bool> acting(std::span<const double> residuals) const;
   /// The part of rho C that moves bodies; nothing without a solution.
   std::optional<std::vector<double>> by_residuals(const Configuration& configuration, std::span<const Vec3> x,
@@ -58,6 +67,7 @@ class SelfStress {
 
   const KinematicMap& map_;
   ConstraintSet& constraints_;
+  std::function<bool(int32_t)> may_break_;
   std::vector<Member> members_;
   std::unique_ptr<Assembler> assembler_;  ///< null where no loop is possible
   std::unique_ptr<LinearSolver> solver_;

@@ -116,13 +116,25 @@ void Simulation::make_solver() {
   potential_ = std::make_unique<IncrementalPotential>(
       model_->map(), *assembler_, contact_.get(), &energies_.constraints, model_->block_scales(), *timer_);
   if (energies_.constraints.joint_count() > 0) {
-    self_stress_ = std::make_unique<SelfStress>(model_->map(), energies_.constraints, *pool_);
+    self_stress_ = std::make_unique<SelfStress>(model_->map(), energies_.constraints, *pool_,
+                                                [this](int32_t constraint) { return may_break(constraint); });
     potential_->set_self_stress(self_stress_.get());
   }
   potential_->set_active_set_updates(settings_.contact.friction_updates);
   if (!has_inertia(settings_.time.integrator)) potential_->set_motion_limit(kFarthestMotion * scene_size());
   linear_solver_ = make_linear_solver(settings_.linear, *pool_);
   linear_solver_->prepare(assembler_->static_pattern(), blocks_in_solids(*model_));
+}
+
+bool Simulation::may_break(int32_t constraint) const {
+  if (constraint < static_cast<int32_t>(scene_.joints().size()))
+    return scene_.joints()[constraint].can_break();
+  for (size_t k = 0; k < scene_.attachments().size(); ++k) {
+    const AttachmentDescription& attachment = scene_.attachments()[k];
+    const int32_t pair = constraint - model_->attachments()[k].first_constraint;
+    if (pair >= 0 && pair < attachment.size()) return std::isfinite(attachment.break_force);
+  }
+  return false;
 }
 
 Simulation::~Simulation() = default;

@@ -262,6 +262,8 @@ class Simulation {
   struct Parts;
 
   void make_solver();
+  /// Whether a joint or a pair of an attachment, by its number in the constraints, has a break force.
+  bool may_break(int32_t constraint) const;
   void check_initial_state() const;
   /// Throws InitialIntersection where surfaces intersect or contain each other at site positions x; `when`
   /// names them: "at time 0".
