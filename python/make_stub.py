@@ -14,6 +14,12 @@ from nanobind import stubgen
 
 MODULE = "_core"
 _SIGNATURE = re.compile(r"^\s*(def |\w+: )")
+_OPERATOR = re.compile(r"^    def (__\w+__)\(self, arg: object, /\) -> Any: \.\.\.$", re.MULTILINE)
+_OVERLOADS = r"""    @overload
+    def \1(self, arg: Scalar | float | numpy.number[Any] | numpy.bool, /) -> Scalar: ...
+
+    @overload
+    def \1(self, arg: NDArray[Any], /) -> Any: ..."""
 _ENTRIES = {"dict": "dict[str, Any]", "list": "list[Any]", "tuple": "tuple[Any, ...]"}
 
 
@@ -21,10 +27,12 @@ def typed(text: str) -> str:
     """A stub without containers of unknown entries."""
     lines = [_typed_signature(line) if _SIGNATURE.match(line) else line for line in text.splitlines()]
     body = "\n".join(lines).replace(f"from {MODULE} import", "from . import")
+    body = _OPERATOR.sub(_OVERLOADS, body)
     found = re.search(r"^from typing import (.*)$", body, re.MULTILINE)
     if found is None:
         return body.replace("\nimport numpy", "\nfrom typing import Any\n\nimport numpy", 1) + "\n"
-    names = sorted({"Any", *found[1].split(", ")})
+    needed = {"Any", "overload"} if "@overload" in body else {"Any"}
+    names = sorted(needed | set(found[1].split(", ")))
     return body.replace(found[0], f"from typing import {', '.join(names)}", 1) + "\n"
 
 
@@ -32,7 +40,7 @@ def _typed_signature(line: str) -> str:
     line = re.sub(r"(?<![\w\]'\".])(dict|list|tuple)(?![\w\[('\"])", lambda m: _ENTRIES[m[1]], line)
     if line.lstrip().startswith("def __eq__(") or line.lstrip().startswith("def __ne__("):
         line = re.sub(r"(arg|other): [\w.| ]+(, /)?\) -> \w+:", r"\1: object\2) -> bool:", line)
-    # Operators of expressions give expressions of several kinds; comparisons are told by bool.
+    # Comparisons are told by bool.
     return re.sub(r"-> object:", "-> Any:", line)
 
 

@@ -58,7 +58,7 @@ class Coordinate:
     @property
     def dq(self) -> Scalar:
         """Change within the time step."""
-        value = self._inputs.builder.x(0)[self._index]
+        value: Scalar = self._inputs.builder.x(0)[self._index]
         self._inputs.builder.set_name(value, f"{self._label}.dq")
         self._inputs.sources[value.id] = ("x", 0, self._index)
         self._inputs.point_of[value.id] = self._index
@@ -77,7 +77,7 @@ class Coordinate:
         return self._data("rate", "rate_start", "rate of the coordinate in the step before")
 
     def _data(self, kind: str, shown: str, doc: str) -> Scalar:
-        value = self._inputs.builder.data(f"{kind}.{self._index}", 1, "", doc)[0]
+        value: Scalar = self._inputs.builder.data(f"{kind}.{self._index}", 1, "", doc)[0]
         self._inputs.builder.set_name(value, f"{self._label}.{shown}")
         self._inputs.note([value], f"{kind}.{self._index}")
         self._inputs.point_of[value.id] = self._index

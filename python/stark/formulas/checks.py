@@ -109,7 +109,8 @@ class Elements:
 
     def bits(self, backend: str) -> np.ndarray:
         """All outputs at the moved positions from one back end."""
-        return self._compiled(backend, self.moved_before).evaluate(2)
+        outputs: np.ndarray = self._compiled(backend, self.moved_before).evaluate(2)
+        return outputs
 
     def _compiled(self, backend: str, x_prev: np.ndarray) -> Any:
         inputs = sample_inputs(self.binding, self.moved, x_prev, self.rows)
@@ -264,7 +265,7 @@ class Path:
 
     def unexplained(self, begin: NDArray[Any], end: NDArray[Any], order: int) -> NDArray[Any]:
         """What the change from begin to end has beyond the integral of the derivatives."""
-        change = self.at(end, order)[0] - self.at(begin, order)[0]
+        change: NDArray[Any] = self.at(end, order)[0] - self.at(begin, order)[0]
         for t, weight in _QUADRATURE:
             derivative = self.at(0.5 * (begin + end) + 0.5 * t * (end - begin), order)[1]
             change -= 0.5 * weight * (end - begin)[:, None] * derivative

@@ -4,6 +4,8 @@ vertices of a triangle."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import UNBOUNDED
 from stark.symbolic.linear_algebra import cross, dot, normalized
@@ -82,7 +84,9 @@ class Frame:
         now, before = self.axes, self.axes_prev
         cosine = 0.5 * (sum(dot(before.column(i), now.column(i)) for i in range(3)) - 1.0)
         square = 0.5 * (1.0 - cosine)  # sin(angle / 2)^2
-        ratio = 1.0  # angle / sin(angle) = 1 + 2/3 square (1 + 4/5 square (1 + 6/7 square (...)))
+        ratio: Scalar | float = (
+            1.0  # angle / sin(angle) = 1 + 2/3 square (1 + 4/5 square (1 + 6/7 square (...)))
+        )
         for n in range(_TERMS, 0, -1):
             ratio = 1.0 + (2 * n) / (2 * n + 1) * square * ratio
         return 0.5 * ratio * self._twice_sine()
@@ -90,14 +94,14 @@ class Frame:
     def _twice_sine(self) -> Vec:
         """2 sin(angle of rotation in the time step) about its axis."""
         now, before = self.axes, self.axes_prev
-        total = cross(before.column(0), now.column(0))
+        total: Vec = cross(before.column(0), now.column(0))
         for i in (1, 2):
             total = total + cross(before.column(i), now.column(i))
         return total
 
-    def point(self, local: object) -> Vec:
+    def point(self, local: Iterable[object]) -> Vec:
         """Position of the point with these coordinates in the frame [m]."""
-        return self.origin + self.axes @ Vec(list(local))  # type: ignore[call-overload]
+        return self.origin + self.axes @ Vec(list(local))
 
     def _origin(self, kind: str) -> Vec:
         raise NotImplementedError

@@ -250,7 +250,8 @@ class Triangle(Stencil):
 
     def _normal(self, kind: str) -> Vec:
         a, b, c = self._positions(kind)
-        return cross(b - a, c - a)
+        normal: Vec = cross(b - a, c - a)
+        return normal
 
     def _gradient(self, kind: str) -> Mat:
         rest = _edges(self._rest_positions())

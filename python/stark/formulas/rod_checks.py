@@ -79,7 +79,8 @@ class Samples:
     def scale(self) -> np.ndarray:
         """Largest stiffness against each strain, at rest or around it (4,)."""
         diagonal = np.concatenate([self.rest[2], self.stiffness])[:, range(4), range(4)]
-        return np.nanmax(np.abs(diagonal), axis=0)
+        largest: np.ndarray = np.nanmax(np.abs(diagonal), axis=0)
+        return largest
 
     @property
     def smallest_stiffness(self) -> float:

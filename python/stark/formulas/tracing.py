@@ -196,7 +196,7 @@ def _combined(
 
 def clock_symbol(inputs: Inputs, argument: ClockArgument) -> Scalar:
     """Time or time step as a named input."""
-    value = getattr(inputs.builder, argument.quantity)()
+    value: Scalar = getattr(inputs.builder, argument.quantity)()
     inputs.builder.set_name(value, argument.name)
     inputs.clocks[argument.name] = value.id
     inputs.note([value], argument.quantity)

@@ -294,7 +294,7 @@ class Joint(JointActuators):
             raise AttributeError(name)
         for k, (known, _) in enumerate(self._coordinates):
             if name == known:
-                return self._require_simulation(name)._core.joint_coordinates(self._index)[k].item()
+                return float(self._require_simulation(name)._core.joint_coordinates(self._index)[k])
         known = ", ".join(coordinate for coordinate, _ in self._coordinates) or "none"
         hint = f"; write {ELSEWHERE[name]}" if name in ELSEWHERE else ""
         raise AttributeError(

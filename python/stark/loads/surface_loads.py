@@ -48,7 +48,8 @@ def face_pressure(
         de, df = b.x - a.x - e, c.x - a.x - f
         area = cross(e, f) + (cross(e, df) + cross(de, f)) / 2.0 + cross(de, df) / 3.0  # its mean
         work = work + shares[i] * dot(a.x - a.x_prev, area)
-    return pressure * work
+    done: Scalar = pressure * work
+    return done
 
 
 class Faces(NamedTuple):

@@ -183,7 +183,7 @@ class Function:
                     f"{self.__name__}: argument '{argument.name}' is {describe(value)}: must "
                     f"be {describe(argument.value)}"
                 )
-            values += value.entries if argument.shape else [value]
+            values += value.entries if isinstance(value, Tensor) else [value]
         if len(shape) > 2:
             raise TraceError(
                 f"{self.__name__}: this derivative has {len(shape)} dimensions: must have at most 2"

@@ -4,15 +4,38 @@ scalar, which float() turns into a number."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeVar
 
 from stark._core import TraceError
 from stark._core import symbolic as core
+from stark.overloads import overload
 from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, elementwise, from_shape
 
-#: Of a scalar or number a scalar, of a vector or matrix one of the same shape.
-Unary: TypeAlias = Callable[[object], Any]
-Binary: TypeAlias = Callable[[object, object], Any]
+_Tensor = TypeVar("_Tensor", bound=Tensor)
+
+
+class Unary(Protocol):
+    """Of a scalar or number a scalar, of a vector or matrix one of the same shape."""
+
+    @overload
+    def __call__(self, x: Scalar | float, /) -> Scalar: ...
+    @overload
+    def __call__(self, x: _Tensor, /) -> _Tensor: ...
+    @overload
+    def __call__(self, x: object, /) -> Any: ...
+
+
+class Binary(Protocol):
+    """Of scalars or numbers a scalar; of vectors or matrices, with scalars or numbers, one of their shape."""
+
+    @overload
+    def __call__(self, a: Scalar | float, b: Scalar | float, /) -> Scalar: ...
+    @overload
+    def __call__(self, a: _Tensor, b: object, /) -> _Tensor: ...
+    @overload
+    def __call__(self, a: Scalar | float, b: _Tensor, /) -> _Tensor: ...
+    @overload
+    def __call__(self, a: object, b: object, /) -> Any: ...
 
 
 def _unary(name: str) -> Unary:
@@ -123,7 +146,9 @@ def hessian(output: object, wrt: object) -> Scalar | Mat:
     if isinstance(output, Tensor) or isinstance(variable, Mat):
         raise TraceError("hessian: the output must be a scalar, the variable a scalar or vector")
     rows = core.hessian(output, _entries(variable))
-    return from_shape([entry for row in rows for entry in row], 2 * getattr(variable, "shape", ()))
+    result = from_shape([entry for row in rows for entry in row], 2 * getattr(variable, "shape", ()))
+    assert not isinstance(result, Vec)
+    return result
 
 
 def _entries(value: Scalar | Vec | Mat) -> list[Scalar]:

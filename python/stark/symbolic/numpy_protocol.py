@@ -71,9 +71,7 @@ _FUNCTIONS: dict[Callable[..., object], Callable[..., object]] = {
     np.stack: tensor.mat,
     np.vstack: tensor.mat,
     np.column_stack: lambda parts: tensor.columns(*parts),
-    np.concatenate: lambda parts: tensor.Vec(
-        [entry for part in parts for entry in tensor.convert(part, "concatenate")]
-    ),
+    np.concatenate: lambda parts: _concatenated(parts),
     np.shape: lambda a: getattr(a, "shape", ()),
     np.ndim: lambda a: len(getattr(a, "shape", ())),
     np.size: lambda a: getattr(a, "size", 1),
@@ -84,6 +82,14 @@ def _dot(a: Any, b: Any) -> object:
     a, b = tensor.convert(a, "dot"), tensor.convert(b, "dot")
     both = isinstance(a, tensor.Tensor) and isinstance(b, tensor.Tensor)
     return tensor.matmul(a, b) if both else a * b
+
+
+def _concatenated(parts: Any) -> object:
+    entries: list[object] = []
+    for part in parts:
+        vector: Any = tensor.convert(part, "concatenate")
+        entries.extend(vector)
+    return tensor.Vec(entries)
 
 
 def array_ufunc(self: object, ufunc: np.ufunc, method: str, *inputs: object, **options: object) -> object:

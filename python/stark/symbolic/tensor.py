@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self, SupportsIndex
 
 import numpy as np
 
 from stark._core import TraceError
 from stark._core import symbolic as core
+from stark.overloads import overload
 from stark.symbolic.errors import TraceIndexError
 
 Scalar = core.Scalar
@@ -230,6 +231,24 @@ class Vec(Tensor):
 
     __slots__ = ()
 
+    if TYPE_CHECKING:
+
+        @overload
+        def __getitem__(self, key: SupportsIndex) -> Scalar: ...
+        @overload
+        def __getitem__(self, key: slice) -> Vec: ...
+        @overload
+        def __getitem__(self, key: object) -> Any: ...
+        def __getitem__(self, key: object) -> Any: ...
+        @overload
+        def __matmul__(self, other: Vec) -> Scalar: ...
+        @overload
+        def __matmul__(self, other: Mat) -> Vec: ...
+        @overload
+        def __matmul__(self, other: object) -> Any: ...
+        def __matmul__(self, other: object) -> Any: ...
+        def __iter__(self) -> Iterator[Scalar]: ...
+
     def __init__(self, entries: Sequence[object]) -> None:
         entries = list(entries)
         if not entries:
@@ -270,6 +289,30 @@ class Mat(Tensor):
 
     __slots__ = ()
 
+    if TYPE_CHECKING:
+
+        @overload
+        def __getitem__(self, key: SupportsIndex) -> Vec: ...
+        @overload
+        def __getitem__(self, key: slice) -> Mat: ...
+        @overload
+        def __getitem__(self, key: tuple[SupportsIndex, SupportsIndex]) -> Scalar: ...
+        @overload
+        def __getitem__(self, key: tuple[SupportsIndex, slice] | tuple[slice, SupportsIndex]) -> Vec: ...
+        @overload
+        def __getitem__(self, key: tuple[slice, slice]) -> Mat: ...
+        @overload
+        def __getitem__(self, key: object) -> Any: ...
+        def __getitem__(self, key: object) -> Any: ...
+        @overload
+        def __matmul__(self, other: Vec) -> Vec: ...
+        @overload
+        def __matmul__(self, other: Mat) -> Mat: ...
+        @overload
+        def __matmul__(self, other: object) -> Any: ...
+        def __matmul__(self, other: object) -> Any: ...
+        def __iter__(self) -> Iterator[Vec]: ...
+
     def __init__(self, rows: Sequence[Sequence[object]]) -> None:
         vectors = [vec(row) for row in rows]
         if not vectors:
@@ -294,7 +337,7 @@ class Mat(Tensor):
         return self[:, j]
 
 
-def from_shape(entries: Sequence[Any], shape: tuple[int, ...]) -> Any:
+def from_shape(entries: Sequence[Any], shape: tuple[int, ...]) -> Scalar | Vec | Mat:
     """Scalar, Vec or Mat of row-major entries."""
     if len(shape) == 0:
         return core.constant(entries[0])
@@ -303,9 +346,9 @@ def from_shape(entries: Sequence[Any], shape: tuple[int, ...]) -> Any:
     return (Vec if len(shape) == 1 else Mat)._of(entries, tuple(shape))
 
 
-def convert(value: Any, what: str) -> Any:
+def convert(value: Any, what: str) -> Scalar | Vec | Mat:
     """A scalar, number, sequence or array as Scalar, Vec or Mat; `what` names it in the message."""
-    if isinstance(value, (Scalar, Tensor)):
+    if isinstance(value, (Scalar, Vec, Mat)):
         return value
     if core.is_scalar_like(value):
         return core.constant(value)
