@@ -121,5 +121,5 @@ def _points(given: Sequence[Points | JoinedPoints]) -> JoinedPoints:
 
 def _full(item: Stencils, j: int) -> Points | JoinedPoints:
     """Column j with a point for each stencil."""
-    column = item.columns[j]
+    column: Points | JoinedPoints = item.columns[j]
     return column[np.zeros(len(item), dtype=np.int64)] if len(column) == 1 else column

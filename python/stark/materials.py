@@ -34,7 +34,7 @@ class _Material(Generic[_CoreMaterial]):
     """Immutable front of a parameter struct of the core, a law and the values that only the law needs."""
 
     __slots__ = ("_core", "_fields", "_recorded", "law", "name", "source")
-    _core_type: type[Any]
+    _core_type: type[_CoreMaterial]
     _law_type: ClassVar[type[Any]]
     _laws: ClassVar[dict[str, Any]]
     _core: _CoreMaterial

@@ -56,7 +56,8 @@ def linear(times: ArrayLike, values: ArrayLike) -> Motion:
 
     def value(time: float) -> Floats:
         k, s, _ = _interval(t, time)
-        return v[k] if s == 0.0 else (1.0 - s) * v[k] + s * v[k + 1]
+        place: Floats = v[k] if s == 0.0 else (1.0 - s) * v[k] + s * v[k + 1]
+        return place
 
     knots = {"kind": "linear", "times": t, "values": v}
     return Motion(value, float(t[-1]), f"linear through {len(t)} knots", knots)
@@ -71,12 +72,14 @@ def spline(times: ArrayLike, values: ArrayLike, *, rest: bool = True) -> Motion:
 
     def value(time: float) -> Floats:
         k, s, h = _interval(t, time)
+        place: Floats = v[k]
         if s == 0.0:
-            return v[k]
+            return place
         # Cubic Hermite polynomial of the interval.
         r = 1.0 - s
         ends = (1.0 + 2.0 * s) * r * r * v[k] + (1.0 + 2.0 * r) * s * s * v[k + 1]
-        return ends + h * s * r * (r * slopes[k] - s * slopes[k + 1])
+        place = ends + h * s * r * (r * slopes[k] - s * slopes[k + 1])
+        return place
 
     knots = {"kind": "spline", "times": t, "values": v, "rest": bool(rest)}
     return Motion(value, float(t[-1]), f"spline through {len(t)} knots", knots)
@@ -234,13 +237,16 @@ def _slopes(t: Floats, v: Floats, rest: bool) -> Floats:
 def _slerp(t: Floats, q: Floats, time: float) -> Floats:
     """Between quaternions at constant angular velocity [Shoemake 1985]."""
     k, s, _ = _interval(t, time)
+    turned: Floats = q[k]
     if s == 0.0:
-        return q[k]
+        return turned
     # The angle from the chord: exact for small ones.
     angle = 2.0 * np.arcsin(min(1.0, 0.5 * float(np.linalg.norm(q[k + 1] - q[k]))))
     if angle < 1e-8:
-        return (1.0 - s) * q[k] + s * q[k + 1]
-    return (np.sin((1.0 - s) * angle) * q[k] + np.sin(s * angle) * q[k + 1]) / np.sin(angle)
+        turned = (1.0 - s) * q[k] + s * q[k + 1]
+    else:
+        turned = (np.sin((1.0 - s) * angle) * q[k] + np.sin(s * angle) * q[k + 1]) / np.sin(angle)
+    return turned
 
 
 def __dir__() -> list[str]:

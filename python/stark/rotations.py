@@ -146,7 +146,8 @@ def _from_axis(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     # sin and 1 - cos through the half angle: no cancellation for small angles.
     s, c = math.sin(angle), 2.0 * math.sin(0.5 * angle) ** 2
     skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + s * skew + c * (skew @ skew)
+    rotation: NDArray[np.float64] = np.eye(3) + s * skew + c * (skew @ skew)
+    return rotation
 
 
 def _from_quaternion(value: ArrayLike, name: str) -> NDArray[np.float64]:

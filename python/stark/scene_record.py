@@ -37,17 +37,21 @@ class RecordedScene(_core.Scene):
         self.calls.append((name, kept))
         return result
 
+    def _add(self, name: str, description: dict[str, Any]) -> int:
+        number: int = self._do(name, description)
+        return number
+
     def add_energy(self, description: dict[str, Any]) -> int:
-        return self._do("add_energy", description)
+        return self._add("add_energy", description)
 
     def add_joint(self, description: dict[str, Any]) -> int:
-        return self._do("add_joint", description)
+        return self._add("add_joint", description)
 
     def add_actuator(self, description: dict[str, Any]) -> int:
-        return self._do("add_actuator", description)
+        return self._add("add_actuator", description)
 
     def add_attachment(self, description: dict[str, Any]) -> int:
-        return self._do("add_attachment", description)
+        return self._add("add_attachment", description)
 
     def set_actuator_value(self, actuator: int, name: str, value: float) -> None:
         self._do("set_actuator_value", actuator, name, value)

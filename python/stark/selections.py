@@ -67,13 +67,17 @@ class Points:
     @property
     def rest_positions(self) -> Floats:
         """In the frame of the body's mesh (n, 3) [m]."""
+        places: Floats
         if "local" in self._columns:
-            return self._columns["local"]
+            places = self._columns["local"]
+            return places
         assert self.body is not None
         vertices = self.body.mesh.vertices
         if "vertices" in self._columns:
-            return vertices[self._columns["vertices"]]
-        return np.einsum("ni,nij->nj", self._columns["weights"], vertices[self._columns["supports"]])
+            places = vertices[self._columns["vertices"]]
+        else:
+            places = np.einsum("ni,nij->nj", self._columns["weights"], vertices[self._columns["supports"]])
+        return places
 
     @property
     def placed_rest_positions(self) -> Floats:
@@ -81,7 +85,8 @@ class Points:
         if self.body is None or self.body._rest_placement is None:
             return self.positions
         position, rotation = self.body._rest_placement
-        return np.asarray(position) + self.rest_positions @ np.asarray(rotation).T
+        placed: Floats = np.asarray(position) + self.rest_positions @ np.asarray(rotation).T
+        return placed
 
     def _description(self) -> dict[str, Any]:
         """As the core reads it."""
@@ -177,7 +182,8 @@ def local_points(body: BodyHandle, local: ArrayLike) -> Points:
 
     def initial(points: Points) -> Floats:
         position, rotation = body._scene._core.pose(body._index)
-        return position + points._columns["local"] @ np.asarray(rotation).T
+        placed: Floats = position + points._columns["local"] @ np.asarray(rotation).T
+        return placed
 
     return Points(body, "point", {"local": _point_rows(local, f"'{body.name}': points")}, initial)
 
@@ -187,7 +193,8 @@ def local_directions(body: BodyHandle, local: ArrayLike) -> Points:
     is the direction in the world."""
 
     def initial(points: Points) -> Floats:
-        return points._columns["local"] @ np.asarray(body._scene._core.pose(body._index)[1]).T
+        turned: Floats = points._columns["local"] @ np.asarray(body._scene._core.pose(body._index)[1]).T
+        return turned
 
     return Points(body, "direction", {"local": _point_rows(local, f"'{body.name}': directions")}, initial)
 
@@ -211,7 +218,8 @@ def embedded_points(body: BodyHandle, supports: Integers, weights: ArrayLike) ->
 
     def initial(points: Points) -> Floats:
         vertices = _vertices_at_start(body)[points._columns["supports"]]
-        return np.einsum("ni,nij->nj", points._columns["weights"], vertices)
+        embedded: Floats = np.einsum("ni,nij->nj", points._columns["weights"], vertices)
+        return embedded
 
     return Points(body, "embedded", {"supports": filled.astype(np.int32), "weights": padded}, initial)
 
@@ -255,7 +263,8 @@ def node_points(body: BodyHandle, node: int, local: Floats, *, directions: bool 
     def place(points: Points) -> Floats:
         frames = body._scene._core.initial_frames(body._index).reshape(-1, 3, 3)
         turned = points._columns["local"] @ frames[node].T
-        return turned if points.is_direction else turned + _vertices_at_start(body)[node]
+        placed: Floats = turned if points.is_direction else turned + _vertices_at_start(body)[node]
+        return placed
 
     kind = "node_direction" if directions else "node_point"
     points = Points(body, kind, {"local": local, "node": node}, place)

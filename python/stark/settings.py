@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 from stark import _core
 from stark._core import InvalidSetting
+from stark._core import Settings as CoreSettings
 
 #: What settings are called elsewhere.
 _OTHER_WORDS = {
@@ -74,13 +75,14 @@ class Settings:
     ``settings["newton.step_tolerance"]`` and ``settings.newton.step_tolerance`` are the same."""
 
     __slots__ = ("__weakref__", "_core")
+    _core: CoreSettings
 
     def __init__(self, **values: Any) -> None:
         object.__setattr__(self, "_core", _core.Settings())
         self.update(values)
 
     @classmethod
-    def _of(cls, core: _core.Settings) -> Settings:
+    def _of(cls, core: CoreSettings) -> Settings:
         settings = cls()
         object.__setattr__(settings, "_core", core)
         return settings

@@ -16,9 +16,11 @@ def outline(material: Any) -> Points:
     """Corners of the section of a ``RodMaterial`` in the axes d1, d2 (k, 2) [m]."""
     if material.width > 0.0:
         corners = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
-        return 0.5 * np.array([material.width, material.height]) * corners
+        rectangle: Points = 0.5 * np.array([material.width, material.height]) * corners
+        return rectangle
     angle = np.arange(_SIDES) * (2.0 * np.pi / _SIDES)
-    return material.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    circle: Points = material.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    return circle
 
 
 def tube(rings: int, sides: int) -> Indices:

@@ -109,7 +109,8 @@ class Attachment(Handle, KnownAttributes):
     @property
     def held(self) -> NDArray[np.bool_]:
         """Which pairs hold (n,)."""
-        return self._require_simulation("held")._core.attachment_status(self._index) == 1
+        held: NDArray[np.bool_] = self._require_simulation("held")._core.attachment_status(self._index) == 1
+        return held
 
     def _numbers(self, pairs: ArrayLike) -> NDArray[np.int32]:
         """Numbers of pairs that are given as such, or by a mask."""

@@ -54,7 +54,8 @@ def _border(triangles: Integers) -> Integers:
         np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
     )
     edges, counts = np.unique(sides, axis=0, return_counts=True)
-    return edges[counts == 1]
+    border: Integers = edges[counts == 1]
+    return border
 
 
 def _share(places: Floats, start: Floats, end: Floats) -> Floats:

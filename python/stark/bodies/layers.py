@@ -111,7 +111,10 @@ class Skin(Layer):
             np.add.at(normals, triangles[:, k], across)
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
         visible = 2e-3 * float(np.ptp(self._body.mesh.vertices, axis=0).max())
-        return x + max(0.5 * self._material.thickness, visible) * normals / np.maximum(lengths, 1e-300)
+        shown: Floats = x + max(0.5 * self._material.thickness, visible) * normals / np.maximum(
+            lengths, 1e-300
+        )
+        return shown
 
     @property
     def surface_triangles(self) -> Indices:
@@ -165,13 +168,15 @@ class Fibres(Layer):
     def lengths(self) -> Floats:
         """Of the edges (m,) [m]."""
         x = self._body.positions
-        return np.linalg.norm(x[self.edges[:, 1]] - x[self.edges[:, 0]], axis=1)
+        lengths: Floats = np.linalg.norm(x[self.edges[:, 1]] - x[self.edges[:, 0]], axis=1)
+        return lengths
 
     @property
     def stretches(self) -> Floats:
         """Lengths of the edges over their rest lengths (m,)."""
         X = self._body.mesh.vertices
-        return self.lengths / np.linalg.norm(X[self.edges[:, 1]] - X[self.edges[:, 0]], axis=1)
+        stretches: Floats = self.lengths / np.linalg.norm(X[self.edges[:, 1]] - X[self.edges[:, 0]], axis=1)
+        return stretches
 
     @property
     def frames(self) -> Floats:

@@ -177,7 +177,8 @@ class Rod(DeformableBody):
         """Triangles of a tube around the rod (m, 3), as indices of ``surface_positions``; for pictures."""
         if "tube" not in self._shared:
             self._shared["tube"] = tube(len(self._mesh.vertices), len(outline(self._shared["material"])))
-        return self._shared["tube"]
+        triangles: Indices = self._shared["tube"]
+        return triangles
 
     def _edge_indices(self) -> Indices:
         assert isinstance(self._mesh, Polyline)

@@ -194,7 +194,8 @@ def _surrounded(points: Array, by: Array, normal: Array) -> NDArray[np.bool_]:
     seen = (by[None, :, :] - points[:, None, :]) @ axes.T
     angles = np.sort(np.arctan2(seen[..., 1], seen[..., 0]), axis=1)
     gaps = np.diff(angles, axis=1, append=angles[:, :1] + 2.0 * np.pi)
-    return gaps.max(axis=1) <= np.pi * (1.0 + 1e-9)
+    surrounded: NDArray[np.bool_] = gaps.max(axis=1) <= np.pi * (1.0 + 1e-9)
+    return surrounded
 
 
 class ContactSensors(BodyHandle):
@@ -279,11 +280,13 @@ class ContactSensors(BodyHandle):
     def _normal_at(self, vertex: int) -> Array:
         a, b, c = self.positions[self.triangles[(self.triangles == vertex).any(axis=1)][0]]
         normal = np.cross(b - a, c - a)
-        return normal / np.linalg.norm(normal)
+        unit: Array = normal / np.linalg.norm(normal)
+        return unit
 
     def _triangle_areas(self) -> Array:
         x = self.positions[self.triangles]
-        return 0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1)
+        areas: Array = 0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1)
+        return areas
 
 
 class InertialSensors(BodyHandle):

@@ -94,7 +94,8 @@ class Solid(LayeredBody):
             used, renumbered = np.unique(triangles, return_inverse=True)
             renumbered = renumbered.reshape(triangles.shape).astype(np.int32)
             self._shared["surface"] = triangles, used, renumbered
-        return self._shared["surface"]
+        surface: tuple[Indices, Indices, Indices] = self._shared["surface"]
+        return surface
 
     # --- rest state ---
 

@@ -109,7 +109,8 @@ class Fit:
         """Correlations of the errors of the fitted parameters (k, k), in the order of ``free``."""
         error = np.sqrt(np.diag(self.covariance))
         with np.errstate(invalid="ignore", divide="ignore"):
-            return self.covariance / np.outer(error, error)
+            correlation: Floats = self.covariance / np.outer(error, error)
+            return correlation
 
     def interval(self, name: str, confidence: float = 0.95) -> tuple[float, float]:
         """Where a fitted parameter is with this probability: its value less and more the quantile of

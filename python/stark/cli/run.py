@@ -186,4 +186,5 @@ def run(args: argparse.Namespace) -> int:
         tell(printable(f"{result.scene}: interrupted: {result.message}"))
     elif result.status != "complete":
         complain(f"{result.scene}: {result.status}: {result.message}")
-    return result.exit_code
+    exit_code: int = result.exit_code
+    return exit_code

@@ -98,7 +98,7 @@ def _times(settings: Settings, until: float | None, wanted: bool) -> np.ndarray 
     """Ends of the steps up to the end of a run [s]."""
     if not wanted:
         return None
-    step = settings["time.step"]
+    step: float = settings["time.step"]
     if until is None or until / step > _MOST_SAMPLES:
         raise DocumentError(
             f"scene.save: sample_functions with until = {until} s and steps of {step:g} s: must have an end, "

@@ -132,10 +132,12 @@ class FileTask(Task):
         return self._file.module.observe(sim)
 
     def reward(self, sim: Any, action: Floats) -> float:
-        return self._file.module.reward(sim, action)
+        reward: float = self._file.module.reward(sim, action)
+        return reward
 
     def done(self, sim: Any) -> bool:
-        return self._optional("done", False, sim)
+        done: bool = self._optional("done", False, sim)
+        return done
 
     def info(self, sim: Any) -> dict[str, Any]:
         return self._file.measure(sim)

@@ -158,7 +158,8 @@ def _turned(mesh: TriangleMesh, report: MeshReport) -> TriangleMesh:
 def _parity(triangles: Indices) -> NDArray[np.bool_]:
     """Whether the corners of each triangle are an even permutation of their order."""
     a, b, c = triangles.T
-    return ((a < b).astype(int) + (b < c) + (c < a)) == 2
+    even: NDArray[np.bool_] = ((a < b).astype(int) + (b < c) + (c < a)) == 2
+    return even
 
 
 def _filled(mesh: TriangleMesh, report: MeshReport) -> TriangleMesh:

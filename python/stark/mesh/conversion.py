@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 from stark import _core
 from stark._core import InvalidMesh
 from stark.mesh.types import EmbeddedMesh, Polyline, SolidMesh, TetMesh, TriangleMesh
+
+_Mesh = TypeVar("_Mesh", bound=TriangleMesh | TetMesh | SolidMesh)
 
 
 def as_triangle_mesh(mesh: Any, name: str) -> TriangleMesh:
@@ -76,7 +78,7 @@ def as_polyline(mesh: Any, name: str) -> Polyline:
         raise InvalidMesh(f"{name}: {error}") from None
 
 
-def _named(name: str, kind: type[Any], vertices: ArrayLike, elements: ArrayLike) -> Any:
+def _named(name: str, kind: type[_Mesh], vertices: ArrayLike, elements: ArrayLike) -> _Mesh:
     try:
         return kind(vertices, elements)
     except InvalidMesh as error:

@@ -42,7 +42,8 @@ def folder() -> Path | None:
         from platformdirs import user_cache_path
     except ImportError:
         return None
-    return user_cache_path("stark") / "meshes"
+    caches: Path = user_cache_path("stark")
+    return caches / "meshes"
 
 
 def _file(surface: TriangleMesh, arguments: str) -> Path | None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from stark._core import InvalidArgument, InvalidMesh
 from stark.mesh.arguments import corners_of, numbers_of
 from stark.mesh.types import TetMesh, TriangleMesh, compact
+from stark.overloads import overload
 
 
 def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
@@ -42,7 +41,11 @@ def whole(surface: TriangleMesh) -> TriangleMesh:
     return united if len(united.triangles) else surface
 
 
-def oriented(mesh: Any) -> Any:
+@overload
+def oriented(mesh: TetMesh) -> TetMesh: ...
+@overload
+def oriented(mesh: TriangleMesh) -> TriangleMesh: ...
+def oriented(mesh: TetMesh | TriangleMesh) -> TetMesh | TriangleMesh:
     """Copy with tetrahedra of positive volume; or with triangles that agree with their neighbours and, where
     they enclose a volume, face outwards."""
     if isinstance(mesh, TetMesh):

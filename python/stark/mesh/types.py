@@ -16,6 +16,7 @@ from stark.array_file import write_atomically
 from stark.attributes import AnsweredAttributes
 from stark.mesh.arguments import Indices, Points, corners_of, indices_of, numbers_of, points_of
 from stark.mesh.saving import WRITERS
+from stark.overloads import overload
 from stark.rotations import as_matrix, vector
 
 
@@ -168,7 +169,8 @@ class TetMesh(MeshBase):
     def volumes(self) -> NDArray[np.float64]:
         """Signed volume of each tetrahedron [m^3], shape (m,)."""
         a, b, c, d = corners_of(self.vertices, self.tets, "TetMesh: tets")
-        return np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
+        volumes: NDArray[np.float64] = np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
+        return volumes
 
     @property
     def volume(self) -> float:
@@ -179,7 +181,8 @@ class TetMesh(MeshBase):
         """Boundary triangles (k, 3), outwards, as indices of ``vertices``."""
         faces = self.tets[:, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]].reshape(-1, 3)
         _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-        return faces[np.sort(first[counts == 1])]
+        boundary: Indices = faces[np.sort(first[counts == 1])]
+        return boundary
 
     def surface(self) -> TriangleMesh:
         """The boundary as a mesh of its own, without the inner vertices."""
@@ -362,7 +365,13 @@ class Polyline(MeshBase):
 Mesh: TypeAlias = TriangleMesh | TetMesh | SolidMesh
 
 
-def compact(mesh: Any) -> Any:
+@overload
+def compact(mesh: TriangleMesh) -> TriangleMesh: ...
+@overload
+def compact(mesh: TetMesh) -> TetMesh: ...
+@overload
+def compact(mesh: SolidMesh) -> SolidMesh: ...
+def compact(mesh: Mesh) -> Mesh:
     """Copy without the vertices that no element uses."""
     name = next((n for n in ("tets", "elements", "triangles") if hasattr(mesh, n)), None)
     if isinstance(mesh, EmbeddedMesh):
@@ -372,5 +381,5 @@ def compact(mesh: Any) -> Any:
     elements = getattr(mesh, name)
     corners_of(mesh.vertices, elements, f"compact: {name}")
     used, renumbered = np.unique(elements, return_inverse=True)
-    kind: Any = type(mesh)
+    kind = type(mesh)
     return kind(mesh.vertices[used], renumbered.reshape(elements.shape).astype(np.int32))

@@ -205,7 +205,8 @@ class Recording:
     @property
     def settings(self) -> dict[str, Any]:
         """The settings of the run by dotted name."""
-        return self.manifest.get("settings", {})
+        settings: dict[str, Any] = self.manifest.get("settings", {})
+        return settings
 
     @property
     def telemetry(self) -> Telemetry:
@@ -249,7 +250,8 @@ class Recording:
     def _positions_at(self, which: int, index: int) -> np.ndarray:
         chunk, row = self._place_of(index)
         positions = chunk[f"positions_{which:04d}"]
-        return positions[0 if len(positions) == 1 else row]
+        frame: np.ndarray = positions[0 if len(positions) == 1 else row]
+        return frame
 
     def _place_of(self, index: int) -> tuple[dict[str, np.ndarray], int]:
         """The chunk of a frame, and the frame's number in it."""
@@ -298,7 +300,8 @@ class Recording:
         chunk, row = self._place_of(self._frame_index(frame))
         if ARRAY not in chunk:
             raise RecordingError(f"'{self.folder}': frame {frame} lacks its digest; run the scene anew")
-        return chunk[ARRAY][row]
+        digest: np.ndarray = chunk[ARRAY][row]
+        return digest
 
     def frame(self, index: int) -> Frame:
         """All bodies of one frame; negative indices count from the end."""

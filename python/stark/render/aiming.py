@@ -84,7 +84,8 @@ def _middle(target: Any, bodies: Sequence[Any]) -> np.ndarray:
     points = np.concatenate([surface(body)[0] for body in _bodies(target, bodies)])
     if not len(points):
         raise InvalidArgument(f"target = {target!r}: has no surface to look at; give a point (x, y, z) [m]")
-    return 0.5 * (points.min(axis=0) + points.max(axis=0)).astype(np.float64)
+    middle: np.ndarray = 0.5 * (points.min(axis=0) + points.max(axis=0)).astype(np.float64)
+    return middle
 
 
 def _seen(target: Any, bounds: Bounds, bodies: Sequence[Any]) -> Bounds:

@@ -65,7 +65,8 @@ class Camera:
         """Size [m] of a pixel at points (n, 3) [m], in a picture of ``height`` pixels; zero behind the
         camera."""
         depths = (points - self.eye) @ self.axes()[2]
-        return np.maximum(depths, 0.0) * (2.0 * math.tan(0.5 * self.vertical_fov) / height)
+        sizes: np.ndarray = np.maximum(depths, 0.0) * (2.0 * math.tan(0.5 * self.vertical_fov) / height)
+        return sizes
 
     @classmethod
     def looking(

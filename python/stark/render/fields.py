@@ -163,7 +163,8 @@ def _pressure(body: Any) -> np.ndarray:
 
 def _strain(body: Any) -> np.ndarray:
     if not row_of(body).has_triangles:
-        return np.abs(_at_nodes(body, _stretches(body) - 1.0))
+        strains: np.ndarray = np.abs(_at_nodes(body, _stretches(body) - 1.0))
+        return strains
     deformation = of_body(body)
     F = deformation.gradients
     left = F @ np.swapaxes(F, -1, -2)  # eigenvalues are squares of the principal stretches
@@ -273,7 +274,8 @@ def _rod_stress(rod: Any, material: Any) -> np.ndarray:
     area = section["mass"] / material.density
     stretches = _stretches(rod) / _rest_stretch(rod)
     forces = section["axial_stiffness"] * (stretches - 1.0) + getattr(rod, "active_force", 0.0)
-    return np.abs(_at_nodes(rod, forces / area))
+    stresses: np.ndarray = np.abs(_at_nodes(rod, forces / area))
+    return stresses
 
 
 def _stretches(body: Any) -> np.ndarray:

@@ -113,7 +113,8 @@ def _quaternions(rotations: np.ndarray) -> np.ndarray:
 
 def _join_bytes(data: bytes) -> np.ndarray:
     planes = np.frombuffer(data, dtype=np.uint8).reshape(2, -1).astype(np.uint16)
-    return planes[0] | (planes[1] << 8)
+    joined: np.ndarray = planes[0] | (planes[1] << 8)
+    return joined
 
 
 def _encode_range(positions: np.ndarray) -> tuple[list[float], float, bytes]:
@@ -227,7 +228,8 @@ def decode(replay: EncodedReplay, body: int, frame: int) -> np.ndarray:
     if entry["mode"] == "mesh":
         part = next(r for r in entry["ranges"] if r["start"] <= frame < r["start"] + r["count"])
         q = _decode_range(replay.blocks[part["block"]], part["count"], count)[frame - part["start"]]
-        return np.array(part["low"]) + part["step"] * q.astype(np.float64)
+        positions: np.ndarray = np.array(part["low"]) + part["step"] * q.astype(np.float64)
+        return positions
     rest = (
         np.frombuffer(_inflate(replay.blocks[entry["rest"]]), dtype="<f4")
         .reshape(count, 3)
@@ -242,4 +244,5 @@ def decode(replay: EncodedReplay, body: int, frame: int) -> np.ndarray:
     )
     w, v = pose[0], pose[1:4]
     turned = rest + 2.0 * np.cross(v, np.cross(v, rest) + w * rest)
-    return turned + pose[4:]
+    placed: np.ndarray = turned + pose[4:]
+    return placed

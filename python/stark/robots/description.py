@@ -194,12 +194,14 @@ class Flex:
     @property
     def is_solid(self) -> bool:
         """Whether it becomes a solid (three dimensions), not a cloth (two) or a rod (one)."""
-        return self.cells.shape[1] == 4
+        is_solid: bool = self.cells.shape[1] == 4
+        return is_solid
 
     @property
     def is_rod(self) -> bool:
         """Whether it becomes a rod (one dimension)."""
-        return self.cells.shape[1] == 2
+        is_rod: bool = self.cells.shape[1] == 2
+        return is_rod
 
 
 _Part = TypeVar("_Part", Link, RobotJoint, Closure, Flex)

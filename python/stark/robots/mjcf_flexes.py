@@ -106,7 +106,8 @@ class _Reader:
         first, count = int(self.model.flex_vertadr[number]), int(self.model.flex_vertnum[number])
         turned = np.array(self.data.xmat[link]).reshape(3, 3)
         away: Floats = np.array(self.data.flexvert_xpos[first : first + count]) - self.data.xpos[link]
-        return away @ turned
+        rest: Floats = away @ turned
+        return rest
 
     def _held(
         self, number: int, carriers: NDArray[np.int32], free: NDArray[np.bool_], link: int, title: str

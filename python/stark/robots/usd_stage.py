@@ -88,7 +88,8 @@ def turn(quaternion: Any) -> Floats:
         [2 * (x * y + w * z), n - 2 * (x * x + z * z), 2 * (y * z - w * x)],
         [2 * (x * z - w * y), 2 * (y * z + w * x), n - 2 * (x * x + y * y)],
     ]
-    return np.array(rows) / n
+    rotation: Floats = np.array(rows) / n
+    return rotation
 
 
 class Stage:

@@ -65,6 +65,6 @@ def spinning_box_observables(sim: Any) -> dict[str, float]:
 
 def no_nans(run: Any, name: str) -> np.ndarray:
     """Final positions of a body of a recording, after the check that they are finite."""
-    positions = run.positions(name, -1)
+    positions: np.ndarray = run.positions(name, -1)
     assert np.isfinite(positions).all(), f"{name} has positions that are not finite"
     return positions

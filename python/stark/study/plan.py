@@ -288,7 +288,7 @@ def _axis(options: _Table, name: str, value: Any, drawn: bool) -> Axis:
 
 
 def _bound(table: _Table, key: str) -> float:
-    value = table.take(key)
+    value: int | float | None = table.take(key)
     if value is None:
         raise PlanError(f"{table.owner}: {table.prefix}{key} is missing; must be a number")
     if type(value) not in (int, float) or not math.isfinite(value):

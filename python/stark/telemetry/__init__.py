@@ -111,7 +111,8 @@ _REPORT_FIELDS = (
 def report_to_dict(report: Any) -> dict[str, Any]:
     """The numbers of a ``StepReport`` as a plain dictionary that JSON can hold."""
     if hasattr(report, "to_dict"):
-        return _plain(report.to_dict())
+        numbers: dict[str, Any] = _plain(report.to_dict())
+        return numbers
     return {name: _plain(getattr(report, name)) for name in _REPORT_FIELDS if hasattr(report, name)}
 
 
@@ -206,7 +207,8 @@ def digest_of_last(lines: bytes) -> str:
     row = json.loads(lines[lines.rfind(b"\n", 0, -1) + 1 :])
     if not isinstance(row.get("chain"), str):
         raise TelemetryError("a line of telemetry lacks its digest; run the scene anew")
-    return row["chain"]
+    digest: str = row["chain"]
+    return digest
 
 
 def _lines(path: Path) -> Iterable[tuple[int, bytes]]:

@@ -38,7 +38,8 @@ def main() -> int:
         )
         return 2
     print(certificate.text())
-    return certificate.exit_code
+    exit_code: int = certificate.exit_code
+    return exit_code
 
 
 if __name__ == "__main__":

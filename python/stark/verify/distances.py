@@ -52,7 +52,8 @@ def closest(kind: Kind, x: Floats) -> tuple[Floats, Floats]:
 def lower_bound(kind: Kind, x: Floats, n: Floats) -> Floats:
     """Lower bound (k,) of the distance by the direction n, at least zero."""
     values, error = gaps(n, differences(kind, x))
-    return np.maximum(0.0, (values.min(axis=1) - error) * (1.0 - 1e-14))
+    bound: Floats = np.maximum(0.0, (values.min(axis=1) - error) * (1.0 - 1e-14))
+    return bound
 
 
 def _to_segment(p: Floats, a: Floats, b: Floats) -> Floats:
@@ -114,4 +115,5 @@ def _nearest(candidates: list[Floats]) -> Floats:
 
 
 def _dot(a: Floats, b: Floats) -> Floats:
-    return np.einsum("ki,ki->k", a, b)
+    products: Floats = np.einsum("ki,ki->k", a, b)
+    return products

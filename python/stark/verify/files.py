@@ -68,7 +68,8 @@ def read_json(path: Path) -> dict[str, Any]:
     except (OSError, ValueError, RecursionError) as error:
         raise UnreadableRecording(f"'{path}' is damaged: {error}") from error
     need(isinstance(value, dict), f"'{path}' must be a JSON object")
-    return value
+    read: dict[str, Any] = value
+    return read
 
 
 def read_lines(path: Path) -> Iterator[tuple[int, bytes]]:

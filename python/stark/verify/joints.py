@@ -191,7 +191,8 @@ class JointCheck:
         """Points of side a less what carries them (n, 3) [m]; ``numbers``: of places that were taken anew."""
         a = self._places(state, attachment["a"])
         if "patches" not in attachment:
-            return a - np.concatenate([self._places(state, b) for b in carried(attachment, numbers)])
+            apart: Floats = a - np.concatenate([self._places(state, b) for b in carried(attachment, numbers)])
+            return apart
         assert self.start is not None
         corners = np.array(attachment["patches"])
         before, now = (s.positions[attachment["patch_body"]][corners] for s in (self.start, state))
@@ -204,9 +205,13 @@ class JointCheck:
             return np.array(points["local"]).reshape(-1, 3)
         x = state.positions[points["body"]]
         if kind == "vertices":
-            return x[np.array(points["vertices"])]
+            vertices: Floats = x[np.array(points["vertices"])]
+            return vertices
         if kind == "embedded":
-            return np.einsum("ni,nij->nj", np.array(points["weights"]), x[np.array(points["supports"])])
+            inside: Floats = np.einsum(
+                "ni,nij->nj", np.array(points["weights"]), x[np.array(points["supports"])]
+            )
+            return inside
         origin, axes = self._carrier(state, points)
         return origin + np.array(points["local"]).reshape(-1, 3) @ axes.T
 
@@ -256,9 +261,11 @@ def _on_patch(before: Floats, now: Floats, places: Floats) -> Floats:
         height = np.einsum("ni,ni->n", w, normal) / np.sqrt(area)
     weights = np.stack([1.0 - beta - gamma, beta, gamma], axis=1)
     up = _unit(np.cross(now[:, 1] - now[:, 0], now[:, 2] - now[:, 0]))
-    return np.einsum("ni,nij->nj", weights, now) + height[:, None] * up
+    carried_to: Floats = np.einsum("ni,nij->nj", weights, now) + height[:, None] * up
+    return carried_to
 
 
 def _unit(v: Floats) -> Floats:
     with np.errstate(invalid="ignore"):  # of nothing: not a number, which is violated
-        return v / np.linalg.norm(v, axis=1)[:, None]
+        unit: Floats = v / np.linalg.norm(v, axis=1)[:, None]
+        return unit

@@ -65,7 +65,8 @@ def _certainly_apart(p: Floats, q: Floats, a: Floats, b: Floats, c: Floats) -> N
     distances, directions = (np.stack(column) for column in zip(*found, strict=True))
     n = directions[distances.argmin(axis=0), np.arange(len(p))]
     values, error = gaps(n, (ends[:, :, None] - corners[:, None]).reshape(len(p), 6, 3))
-    return values.min(axis=1) > error
+    apart: NDArray[np.bool_] = values.min(axis=1) > error
+    return apart
 
 
 def _exact(point: Floats) -> Point:

@@ -131,7 +131,8 @@ class Run:
 
     @property
     def settings(self) -> dict[str, Any]:
-        return self.manifest.get("settings", {})
+        settings: dict[str, Any] = self.manifest.get("settings", {})
+        return settings
 
     def bound(self, name: str) -> float | None:
         """A setting that bounds something; None where the recording lacks it. What cannot bound anything is

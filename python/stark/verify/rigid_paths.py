@@ -50,7 +50,8 @@ def largest_turn(start: State, end: State) -> float:
 
 def _centre(body: Body, pose: Floats | None) -> Floats:
     assert pose is not None and body.inertia is not None
-    return pose[0] + pose[1:] @ np.array(body.inertia["center_of_mass"])
+    centre: Floats = pose[0] + pose[1:] @ np.array(body.inertia["center_of_mass"])
+    return centre
 
 
 def _turn(pose_0: Floats | None, pose_1: Floats | None) -> tuple[Floats, float] | None:
@@ -64,4 +65,5 @@ def _rotation(axis: Floats, angle: float) -> Floats:
     """Rodrigues' formula."""
     x, y, z = axis
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * K @ K
+    rotation: Floats = np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * K @ K
+    return rotation

@@ -33,7 +33,8 @@ def axis_and_angle(R: Floats) -> tuple[Floats, float]:
 def momentum(rotations: Floats, moments: Floats, angular_velocities: Floats) -> Floats:
     """R J R^T w (n, 3) [kg m^2/s]."""
     turned = np.einsum("nji,nj->ni", rotations, angular_velocities)
-    return np.einsum("nij,nj->ni", rotations, moments * turned)
+    momenta: Floats = np.einsum("nij,nj->ni", rotations, moments * turned)
+    return momenta
 
 
 def impulse(start: Floats, end: Floats, moments: Floats, before: Floats, h: float) -> Floats:
@@ -94,7 +95,8 @@ def velocity(rotations: Floats, moments: Floats, momenta: Floats) -> Floats:
     own = np.einsum("nji,nj->ni", rotations, momenta)
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(moments > 0.0, own / moments, 0.0)
-    return np.einsum("nij,nj->ni", rotations, own)
+    velocities: Floats = np.einsum("nij,nj->ni", rotations, own)
+    return velocities
 
 
 def turned(w: Floats, rotations: Floats) -> Floats:

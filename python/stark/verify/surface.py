@@ -171,7 +171,8 @@ class Surface:
         """Pairs of edges of one rod that no contact keeps apart."""
         rods = self.body_of[first[:, 0]]
         apart = np.abs(self.along[first[:, :, None]] - self.along[second[:, None, :]]).min(axis=(1, 2))
-        return (rods == self.body_of[second[:, 0]]) & (apart < self.untouched[rods])
+        near: NDArray[np.bool_] = (rods == self.body_of[second[:, 0]]) & (apart < self.untouched[rods])
+        return near
 
     # --- names ---
 

@@ -191,8 +191,9 @@ def pulls_of(sim: Any) -> Pulls | None:
 def _spring(scene: Any, body: Any) -> Energy:
     none, name = np.zeros(3), f"pull of {body.name}"
     if has_pose(body):
-        return scene.add(pull_of_frame(body, stiffness=0.0, damping=0.0, place=none, target=none), name=name)
-    still = np.zeros(len(body.mesh.vertices))
-    return scene.add(
-        pull_of_vertex(body.vertices, stiffness=still, damping=still.copy(), target=none), name=name
-    )
+        pull = pull_of_frame(body, stiffness=0.0, damping=0.0, place=none, target=none)
+    else:
+        still = np.zeros(len(body.mesh.vertices))
+        pull = pull_of_vertex(body.vertices, stiffness=still, damping=still.copy(), target=none)
+    spring: Energy = scene.add(pull, name=name)
+    return spring
