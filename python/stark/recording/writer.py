@@ -81,13 +81,14 @@ class _Pending:
 class Recorder:
     """Records the surfaces of all bodies of ``sim``, and its layers, into ``folder``.
 
-    ``record(sim)`` adds a frame, ``report(step_report, measured={...})`` adds the numbers of a step and your
-    own, ``close()`` completes the folder; a ``with`` block does that for you. The recorder replaces an
-    existing recording in ``folder``. It raises RecordingError for any other folder that is not empty, and for
-    one that another recorder is writing. ``settings`` are by default those of ``sim``.
-    With ``certify=True``, call ``record_state(sim)`` at the start and after every accepted step; then
-    ``stark verify`` can check the run. Times go forward: what comes after ``sim.reset()``, or another jump
-    back in time, is refused and belongs to another recorder with a folder of its own.
+    ``record(sim)`` adds a frame, ``report(step_report, measured={...})`` adds the numbers of a step and
+    your own, ``close()`` completes the folder; a ``with`` block does that for you. The recorder replaces
+    an existing recording in ``folder``; ``Recorder.resume`` goes on with it. It raises RecordingError for
+    any other folder that is not empty, and for one that another recorder is writing. ``settings`` are by
+    default those of ``sim``. With ``certify=True``, call ``record_state(sim)`` at the start and after
+    every accepted step; then ``stark verify`` can check the run. Times go forward: what comes after
+    ``sim.reset()``, or another jump back in time, is refused and belongs to another recorder with a
+    folder of its own.
 
     ``fields`` lets replays, pictures and exports colour the bodies: "stress", "strain", "pressure",
     "contact_force" or "speed" at the vertices of moving bodies, with every frame
@@ -196,8 +197,9 @@ class Recorder:
     ) -> Recorder:
         """Goes on with the recording in ``folder`` after its first ``frames`` frames, ``lines`` lines of
         telemetry and ``states`` states, if it is one for certification; what follows them is dropped. The
-        folder ends up as if it had been recorded at once, the times of resuming in its manifest apart.
-        ``lock``: that of the folder, if the caller has it."""
+        folder ends up as if it had been recorded at once, the times of resuming in its manifest apart. The
+        counts are those that ``sync()`` returned when the checkpoint was written. ``lock``: that of the
+        folder, if the caller has it."""
         place = resolved(given_path(folder, "recording: folder"))
         held = FolderLock(place) if lock is None else lock
         try:
@@ -387,9 +389,10 @@ class Recorder:
             self._written += len(self._pending)
             self._pending = []
 
-    def sync(self) -> None:
-        """Writes all that was recorded, so that a killed run has it. The last chunk is written again when it
-        has grown: where frames are stored does not depend on when this is called."""
+    def sync(self) -> dict[str, int]:
+        """Writes all that was recorded, so that a killed run has it, and returns what ``resume`` needs to go
+        on from here: keep it in the ``memory`` of a checkpoint. The last chunk is written again when it has
+        grown: where frames are stored does not depend on when this is called."""
         if self.frame_count > self._synced and self._pending:
             self._write_chunk()
         if self._states is not None:
@@ -397,6 +400,7 @@ class Recorder:
         assert self._telemetry is not None
         self._telemetry.sync()
         self._write_manifest()
+        return {"frames": self.frame_count, "lines": self.line_count, "states": self.state_count}
 
     def sync_if_open(self) -> None:
         """``sync()``, unless it is closed."""

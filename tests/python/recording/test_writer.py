@@ -48,6 +48,51 @@ while True:
     recorder.report(sim.step())
 """
 
+_LOOP = """
+import os, signal, sys
+from pathlib import Path
+import stark
+from stark.recording import Recorder
+
+scene = stark.Scene()
+scene.add_floor(1.0)
+scene.add_box(0.1, mass=0.5, position=(0.0, 0.0, 0.2), name="box")
+sim = stark.Simulation(scene, time_step=0.01)
+folder, kill = sys.argv[1], int(sys.argv[2])
+saved = Path(folder + ".stark")
+if saved.exists():
+    recorder = Recorder.resume(folder, sim, **sim.load(saved)["recorded"])
+else:
+    recorder = Recorder(folder, sim, chunk_frames=8)
+    recorder.record(sim)
+with recorder:
+    for step in sim.run(until=0.4):
+        recorder.report(step)
+        recorder.record(sim)
+        number = round(step.time / 0.01)
+        if number % 5 == 0:
+            sim.save(saved, memory={"recorded": recorder.sync()})
+        if number == kill:
+            os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_killed_loop_goes_on_with_its_recording(tmp_path: Path) -> None:
+    def loop(name: str, kill: int) -> int:
+        command = [sys.executable, "-c", _LOOP, str(tmp_path / name), str(kill)]
+        return subprocess.run(command, check=False).returncode
+
+    assert loop("whole", -1) == 0
+    for kill in (7, 13, 25, 38):
+        assert loop("killed", kill) == -signal.SIGKILL
+    assert loop("killed", -1) == 0
+    whole, killed = Recording(tmp_path / "whole"), Recording(tmp_path / "killed")
+    assert len(killed) == 41 and np.array_equal(killed.times, whole.times)
+    assert all(np.array_equal(killed.positions("box", k), whole.positions("box", k)) for k in range(41))
+    for name in ("time", "energy.kinetic", "contact_count"):
+        assert np.array_equal(killed.telemetry[name], whole.telemetry[name])
+    assert killed.manifest["resumed"] == pytest.approx([0.05, 0.1, 0.25, 0.35])
+
 
 def test_a_killed_run_is_readable(tmp_path: Path) -> None:
     folder = str(tmp_path / "run")
