@@ -22,7 +22,7 @@ STUB = ROOT / "python" / "stark" / "__init__.pyi"
 #: themselves, see _groups().
 GROUPS: dict[str, tuple[str, str]] = {
     "scene": ("Scenes", "Scene Anisotropic load_scene"),
-    "simulation": ("Simulations", "Simulation Settings StepReport StepProgress Checkpoint"),
+    "simulation": ("Simulations", "Simulation Settings StepReport StepProgress Diagnosis State Checkpoint"),
     "bodies": (
         "Bodies and layers",
         "Body Cloth Solid Rod RigidBody Layer Skin Fibres ClosestPoints FreePath Contacts Imu JoinedPoints "
@@ -46,8 +46,6 @@ GROUPS: dict[str, tuple[str, str]] = {
 }
 #: Classes that public calls give or take, which have no public name of their own.
 RETURNED = (
-    "stark._core.Diagnosis",
-    "stark._core.State",
     "stark.handle.BodyHandle",
     "stark.selections.Points",
     "stark.selections.Stencils",

@@ -20,12 +20,14 @@ require_supported_processor()
 
 from stark import materials, mesh, surfaces  # noqa: E402
 from stark._core import (  # noqa: E402
+    Diagnosis,
     Error,
     InitialIntersection,
     InternalError,
     InvalidArgument,
     InvalidMesh,
     InvalidSetting,
+    State,
     StepProgress,
     StepReport,
     TraceError,
@@ -121,6 +123,7 @@ __all__ = [
     "ClosestPoints",
     "Cloth",
     "Contacts",
+    "Diagnosis",
     "Error",
     "Fibres",
     "FreePath",
@@ -143,6 +146,7 @@ __all__ = [
     "SolidMaterial",
     "SolidMesh",
     "StarkWarning",
+    "State",
     "StepFailed",
     "StepProgress",
     "StepReport",

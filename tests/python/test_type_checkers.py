@@ -34,6 +34,9 @@ def magnet(p: stark.Point, center: stark.Vec3, strength: float = 2e-5, core: flo
     assert_type(strength * stark.norm(d) * d, stark.Vec)
     assert_type(d[0] + 2, stark.Scalar)
     assert_type(stark.sqrt(d), stark.Vec)
+    assert_type(stark.where(d[0] > 0.0, d, 0.0), stark.Vec)
+    assert_type(stark.clip(d[0], 0.0, 1.0), stark.Scalar)
+    assert_type(stark.total(stark.norm(d), "length"), stark.Scalar)
     return -strength / stark.sqrt(d @ d + core**2)
 
 def first_invariant(F: symbolic.Mat) -> stark.Scalar:
@@ -43,6 +46,12 @@ def first_invariant(F: symbolic.Mat) -> stark.Scalar:
 
 def solids(mesh: stark.TetMesh) -> stark.TriangleMesh:
     return stark.mesh.oriented(stark.mesh.compact(mesh)).surface()
+
+def rewound(sim: stark.Simulation, states: list[stark.State]) -> stark.Diagnosis | None:
+    states.append(sim.state)
+    report = sim.step()
+    sim.state = states[-1]
+    return report.diagnosis
 
 def wrong(F: symbolic.Mat) -> stark.Scalar:
     return F[0]

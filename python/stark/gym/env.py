@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from stark._core import StepReport
 from stark.arguments import shown_value
+from stark.scene import Scene
 from stark.simulation import Simulation
 from stark.steps import limit_of_step, reached
 
@@ -119,7 +120,7 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
 
     def _build(self) -> None:
         """A simulation of the scene of the task, settled."""
-        built, own = self.task.build()
+        built, own = self._built()
         self.sim: Simulation = Simulation(built, **{"threads": 1, **own, **self._settings})
         self._settle()
         self._state = self.sim.state
@@ -127,6 +128,18 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         scene = self.sim.scene
         self._courses = dict(scene._courses)
         self._followers = {body: list(followers) for body, followers in scene._followers.items()}
+
+    def _built(self) -> tuple[Scene, Mapping[str, Any]]:
+        """What the task builds."""
+        found: Any = self.task.build()
+        if isinstance(found, tuple) and len(found) == 2:
+            scene, settings = found
+            if isinstance(scene, Scene) and isinstance(settings, Mapping):
+                return scene, settings
+        raise TaskError(
+            f"task '{self.task.name}': build() gives {shown_value(found)}: must be a scene and its settings: "
+            "return scene, {'time_step': 0.01}"
+        )
 
     def _put_back_functions_of_time(self) -> None:
         """Those that the scene was built with: what an episode assigned, or let bodies follow, ends with
@@ -156,7 +169,10 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
 
     def _action(self, action: Any) -> NDArray[Any]:
         space = self.task.action_space
-        numbers = np.asarray(action, dtype=np.float64)
+        try:
+            numbers = np.asarray(action, dtype=np.float64)
+        except (TypeError, ValueError):  # a text, rows of several lengths
+            numbers = np.full(space.shape, np.nan)
         if numbers.shape != space.shape or not np.isfinite(numbers).all():
             raise TaskError(
                 f"task '{self.task.name}': action = {action!r}: must be {space.shape} finite numbers"

@@ -81,11 +81,19 @@ atan2: Binary = _binary("atan2", "Angle [rad] of the direction (x, y); arguments
 pow: Binary = _binary("pow", "Power: products for integer exponents, else the real power of a base >= 0.")
 
 
+@overload
+def fma(a: Scalar | float, b: Scalar | float, c: Scalar | float) -> Scalar: ...
+@overload
+def fma(a: object, b: object, c: object) -> Any: ...
 def fma(a: object, b: object, c: object) -> Any:
     """a b + c with one rounding."""
     return elementwise(core.fma, "fma", a, b, c)
 
 
+@overload
+def total(x: Scalar | float, name: str | None = None) -> Scalar: ...
+@overload
+def total(x: _Tensor, name: str | None = None) -> _Tensor: ...
 def total(x: object, name: str | None = None) -> Any:
     """The sum of x over all elements of an energy: the volume inside a surface, the length of a cable. An
     energy of totals is a function of them: ``0.5 * k * (stark.total(e.length, "length") - rest) ** 2``. The
@@ -100,11 +108,23 @@ def total(x: object, name: str | None = None) -> Any:
     return result
 
 
+@overload
+def clip(x: Scalar | float, lower: Scalar | float, upper: Scalar | float) -> Scalar: ...
+@overload
+def clip(x: _Tensor, lower: object, upper: object) -> _Tensor: ...
+@overload
+def clip(x: object, lower: object, upper: object) -> Any: ...
 def clip(x: object, lower: object, upper: object) -> Any:
     """x, at least `lower` and at most `upper`."""
     return minimum(maximum(x, lower), upper)
 
 
+@overload
+def where(condition: Scalar | bool, a: Scalar | float, b: Scalar | float) -> Scalar: ...
+@overload
+def where(condition: Scalar | bool, a: _Tensor, b: object) -> _Tensor: ...
+@overload
+def where(condition: object, a: object, b: object) -> Any: ...
 def where(condition: object, a: object, b: object) -> Any:
     """a where the condition holds, else b. The branch that is not taken never contributes to value or
     derivatives, not even as NaN. One condition may choose between vectors or matrices."""
