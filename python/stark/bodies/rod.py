@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array
 from stark.bodies.deformable import DeformableBody
+from stark.joined_points import JoinedPoints
 from stark.materials import RodMaterial
 from stark.mesh import Indices, Polyline
 from stark.readings import reading
-from stark.selections import FrameHandle, node_frame
+from stark.selections import FrameHandle, node_frame, node_points, rows_of
 from stark.tubes import outline, tube
 
 Floats = NDArray[np.float64]
@@ -36,6 +37,24 @@ class Rod(DeformableBody):
         """Frame carried by a node, for energies and joints: ``position`` [m] and ``rotation`` in the frame of
         the node, whose axes are d1 and d2 of the section and d3 along the rod."""
         return node_frame(self, node, position, rotation)
+
+    def points(self, nodes: ArrayLike | slice, local: ArrayLike = (0.0, 0.0, 0.0)) -> JoinedPoints:
+        """Points carried by the frames of nodes, for energies: eyelets beside the rod. ``nodes``: indices, a
+        slice or a mask; ``local`` (3,), or (n, 3) for n nodes, in the frames of the nodes [m], whose axes are
+        d1 and d2 of the section and d3 along the rod."""
+        owner = f"'{self.name}': points"
+        count = len(self.mesh.vertices)
+        chosen = np.atleast_1d(np.arange(count)[rows_of(nodes, count, owner)])
+        places = real_array(local, f"{owner}: local")
+        if places.shape not in ((3,), (len(chosen), 3)):
+            raise InvalidArgument(
+                f"{owner}: local of shape {places.shape} for {len(chosen)} nodes: must be (3,) or "
+                f"({len(chosen)}, 3) [m]"
+            )
+        rows = np.broadcast_to(places, (len(chosen), 3))
+        return JoinedPoints(
+            [node_points(self, int(node), row[None].copy()) for node, row in zip(chosen, rows, strict=True)]
+        )
 
     @property
     def material(self) -> RodMaterial:

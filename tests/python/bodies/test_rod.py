@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -301,9 +302,60 @@ def test_pictures_and_recordings_show_a_tube(tmp_path: Path) -> None:
 
 def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
     blocks = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
-    assert len(blocks) == 5
+    assert len(blocks) == 6
     names: dict[str, object] = {}
     for block in blocks:
         exec(compile(block.replace("until=0.5", "until=0.05"), str(GUIDE), "exec"), names)
     assert len(capsys.readouterr().out.splitlines()) == 5
     assert isinstance(names["soft"], stark.RodMaterial)
+
+
+@stark.energy
+def tendon(e: stark.Edge, rest: float = 0.3, stiffness: float = 5e3):
+    return 0.5 * stiffness * stark.maximum(stark.total(e.length, "length") - rest, 0.0) ** 2
+
+
+def bent_by_a_tendon(lever: float, pull: float) -> tuple[stark.Rod, Any]:
+    scene = stark.Scene()
+    material = stark.RodMaterial(density=1000.0, youngs_modulus=1e7, radius=0.003)
+    line = stark.mesh.polyline((0, 0, 0), (0.3, 0, 0), 30)
+    rod = scene.add_rod(line, material, clamps=[0], normal=(0, 0, 1), name="arm")
+    eyelets = rod.points(range(31), (lever, 0.0, 0.0))
+    cable = scene.add(tendon((eyelets[:-1], eyelets[1:]), rest=0.3 - pull))
+    sim = stark.Simulation(scene, gravity=(0, 0, 0), time={"integrator": "quasistatic"})
+    for _ in range(2):
+        assert not sim.step().failed
+    assert np.allclose(sim[rod].frames[0], [[0, 0, 1], [0, -1, 0], [1, 0, 0]])
+    return sim[rod], cable
+
+
+@pytest.mark.parametrize("lever", [0.01, -0.004])
+def test_a_tendon_beside_a_rod_bends_it_into_an_arc(lever: float) -> None:
+    """Moment T d everywhere. The angle of the arc: by what the cable is shorter than the rod, over d."""
+    rod, cable = bent_by_a_tendon(lever, pull=0.003)
+    tension = cable.total_slopes["length"]
+    moments = np.linalg.norm(rod.section_moments, axis=1)
+    # A straight piece of cable has the lever d cos(half the angle of a segment): 1e-4 less at most.
+    assert moments == pytest.approx(tension * abs(lever), rel=3e-4)
+    axis = np.linalg.norm(np.diff(rod.positions, axis=0), axis=1).sum()
+    angle = 2.0 * np.arcsin(np.linalg.norm(rod.frames[-1][:, 2] - rod.frames[0][:, 2]) / 2.0)
+    assert angle == pytest.approx((axis - cable.length) / abs(lever), rel=1e-3)
+    assert np.sign(rod.positions[-1, 2]) == np.sign(lever)
+
+
+def test_points_of_nodes() -> None:
+    scene = stark.Scene()
+    rod = scene.add_rod(
+        stark.mesh.polyline((0, 0, 0), (1, 0, 0), 4), clamps=[0], normal=(0, 0, 1), name="rod"
+    )
+    assert rod.points([-1, 0], (0.1, 0, 0)).positions == pytest.approx(np.array([[1, 0, 0.1], [0, 0, 0.1]]))
+    each = rod.points(slice(1, 3), [(0.1, 0, 0), (0, 0, 0.2)])
+    assert each.positions == pytest.approx(np.array([[0.25, 0, 0.1], [0.7, 0, 0]]))
+    assert rod.points(2).positions == pytest.approx(np.array([[0.5, 0, 0]]))
+    assert len(rod.points([])) == 0
+    with pytest.raises(stark.InvalidArgument, match="index 5 is out of bounds"):
+        rod.points(5)
+    with pytest.raises(
+        stark.InvalidArgument, match=r"shape \(3, 3\) for 2 nodes: must be \(3,\) or \(2, 3\)"
+    ):
+        rod.points([0, 1], np.zeros((3, 3)))
