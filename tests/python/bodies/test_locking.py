@@ -49,6 +49,23 @@ def test_beams_bend_as_the_guide_says(ratio: str) -> None:
     np.testing.assert_allclose(found, [float(cell) for cell in row[1].split("|")], atol=0.0051)
 
 
+@pytest.mark.parametrize(("slender", "layers"), [(2.5, 1), (2.5, 2), (2.5, 4), (1.0, 1), (1 / 3, 3)])
+def test_long_cells_of_thin_parts_shear_instead_of_bending(slender: float, layers: int) -> None:
+    """A bent cell of straight edges has the shear strain x/R, whose mean square l^2/(12 R^2) adds to that of
+    bending, t^2/(12 R^2): 1 + (G/E) (l/t)^2 of the stiffness, however many cells are across."""
+    mesh = stark.mesh.box_hexahedra(BEAM, (round(LENGTH / (slender * WIDTH)), 2, layers))
+    expected = 1.0 / (1.0 + 0.5 * slender**2)
+    # A beam of ten thicknesses also shears, by 3 E t^2/(12 G 5/6 L^2) of its deflection: 0.006.
+    assert deflection(mesh, 0.0) == pytest.approx(expected, rel=0.012)
+    text = (Path(__file__).parents[3] / "docs/troubleshooting.md").read_text()
+    assert f"{expected:.2f} with l = " in text
+
+
+def test_quadratic_cells_of_thin_parts_bend() -> None:
+    mesh = stark.mesh.to_quadratic(stark.mesh.box_hexahedra(BEAM, (4, 1, 1)))
+    assert deflection(mesh, 0.0) == pytest.approx(1.0, abs=0.01)
+
+
 def test_elements_that_lock_are_warned_of_once_a_body() -> None:
     tets, cubes = stark.mesh.tet_box(0.1, 1), stark.mesh.box_hexahedra(0.1, 1)
     rubber = stark.materials.natural_rubber
