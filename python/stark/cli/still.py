@@ -17,6 +17,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=path_argument, metavar="FILE.png", help="the picture; default: RUN/still.png"
     )
     add_picture_arguments(parser, "good")
+
+
+def add_picture_arguments(parser: argparse.ArgumentParser, quality: str) -> None:
+    parser.add_argument("--size", default="1280x720", metavar="WxH", help="size in pixels (1280x720)")
+    parser.add_argument("--view", default="oblique", choices=("oblique", "front", "side", "top"))
+    parser.add_argument("--quality", default=quality, choices=("draft", "good", "best"))
+    parser.add_argument("--edges", action="store_true", help="draw mesh edges")
     parser.add_argument(
         "--camera", metavar="X,Y,Z", help="where the camera is [m], instead of a view: --camera=-1,0,0.5"
     )
@@ -38,13 +45,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--limits", metavar="LOW,HIGH", help="of the colours; default: those of the values")
     parser.add_argument("--colormap", default="viridis", choices=("viridis", "magma", "coolwarm"))
     parser.add_argument("--contacts", action="store_true", help="draws forces of contact that were recorded")
-
-
-def add_picture_arguments(parser: argparse.ArgumentParser, quality: str) -> None:
-    parser.add_argument("--size", default="1280x720", metavar="WxH", help="size in pixels (1280x720)")
-    parser.add_argument("--view", default="oblique", choices=("oblique", "front", "side", "top"))
-    parser.add_argument("--quality", default=quality, choices=("draft", "good", "best"))
-    parser.add_argument("--edges", action="store_true", help="draw mesh edges")
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -91,7 +91,7 @@ def run(args: argparse.Namespace) -> int:
     from ..render import render, write_png
 
     width, height = parse_size(args.size)
-    options = _options(args)
+    options = picture_options(args)
     recording = Recording(args.run)
     time = float("inf") if args.time is None else args.time
     picture = render(recording.frame(recording.nearest(time)), width=width, height=height, **options)
@@ -108,7 +108,7 @@ def tell_of_time(recording: Any, time: float) -> None:
         say(f"--time {time:g}: {message}", error=True)
 
 
-def _options(args: argparse.Namespace) -> dict[str, Any]:
+def picture_options(args: argparse.Namespace) -> dict[str, Any]:
     """Those of ``stark.render.render``."""
     return {
         "camera": args.view if args.camera is None else parse_point(args.camera, "--camera"),

@@ -7,7 +7,7 @@ import argparse
 from .output import say
 from .paths import path_argument
 from .progress import Progress
-from .still import add_picture_arguments, parse_size
+from .still import add_picture_arguments, parse_size, picture_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,6 +28,7 @@ def run(args: argparse.Namespace) -> int:
     from ..render import write_video
 
     width, height = parse_size(args.size)
+    options = picture_options(args)
     progress = Progress(1.0)
     path = write_video(
         Recording(args.run),
@@ -36,10 +37,8 @@ def run(args: argparse.Namespace) -> int:
         height=height,
         fps=args.fps,
         speed=args.speed,
-        camera=args.view,
-        quality=args.quality,
-        edges=args.edges,
         progress=lambda done, total: progress.update(done / total, f"picture {done} of {total}"),
+        **options,
     )
     progress.close()
     say(path)

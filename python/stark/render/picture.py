@@ -82,9 +82,7 @@ def render(
         raise InvalidArgument(f"size {width} x {height} px: each must be in [1, 16384]")
     everything = drawn(source)
     names = [str(body.name) for body in everything]
-    hidden = matching(hide, names, "hide")
-    chosen = range(len(names)) if bodies is None else matching(bodies, names, "bodies")
-    kept = [i for i in chosen if i not in hidden]
+    kept = kept_of(names, bodies, hide)
     if names and not kept:
         raise InvalidArgument(_nothing_left(bodies, hide, names))
     shown = [everything[i] for i in kept]
@@ -125,6 +123,13 @@ def render(
         words, unit = (shades.label, shades.unit) if label is None else (given_word(label, "label"), "")
         draw_colorbar(overlay, colors, range_of_colors, words, unit)
     return Picture.of(overlay.picture)
+
+
+def kept_of(names: Sequence[str], bodies: Any, hide: Any) -> list[int]:
+    """Numbers of the bodies that a picture draws."""
+    hidden = matching(hide, names, "hide")
+    chosen = range(len(names)) if bodies is None else matching(bodies, names, "bodies")
+    return [i for i in chosen if i not in hidden]
 
 
 def _nothing_left(bodies: Any, hide: Any, names: Sequence[str]) -> str:

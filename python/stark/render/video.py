@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,10 @@ from ..array_file import naming, refuse_special
 from ..files import resolved
 from ..recording.format import RecordingError
 from ..recording.reader import Recording
-from .camera import Camera, auto_camera, scene_bounds
-from .picture import render
+from .camera import scene_bounds
+from .colorbar import limits_of
+from .fields import field_of
+from .picture import kept_of, render
 
 _MISSING = "films need the packages of the extra 'video': pip install 'stark-sim[video]'"
 
@@ -37,7 +39,7 @@ def write_video(
     height: int = 720,
     fps: float = 30.0,
     speed: float = 1.0,
-    camera: Camera | str | None = None,
+    camera: Any = None,
     quality: str = "draft",
     edges: bool = False,
     progress: Callable[[int, int], None] | None = None,
@@ -46,8 +48,10 @@ def write_video(
     """Writes an mp4 (or mov, mkv) of the whole recording: ``fps`` pictures a second, ``speed`` simulated
     seconds a second.
 
+    ``camera`` and ``options`` are those of ``render``. Without ``limits``, colours of a ``field`` have one
+    scale in the whole film. ``progress(done, total)`` is called after each picture.
+
     Raises ``ImportError`` naming the extra to install when imageio or its ffmpeg is missing.
-    ``progress(done, total)`` is called after each picture. ``options`` go to ``render``.
     """
     place = resolved(given_path(path, "write_video: path"))
     _require_film(place, fps, speed)
@@ -62,8 +66,9 @@ def write_video(
     width, height = _even(width, "width"), _even(height, "height")
     sampled = [recording.frame(i) for i in np.linspace(0, len(recording) - 1, 9).astype(int)]
     bounds = scene_bounds(*sampled)
-    if not isinstance(camera, Camera):
-        camera = auto_camera(bounds, camera or "oblique", width / height)
+    indices = [recording.nearest(float(time)) for time in times]
+    if options.get("field") is not None and options.get("limits") is None:
+        options["limits"] = _limits(recording, sorted(set(indices)), options)
     refuse_special(place)
     temporary = place.with_name(f".{place.stem}.part{place.suffix}")
     temporary.unlink(missing_ok=True)
@@ -71,8 +76,7 @@ def write_video(
         writer: Any
         with imageio.get_writer(temporary, fps=fps, macro_block_size=2, quality=8) as writer:
             shown, picture = -1, None
-            for done, time in enumerate(times, start=1):
-                index = recording.nearest(float(time))
+            for done, index in enumerate(indices, start=1):
                 if index != shown:
                     picture = render(
                         recording.frame(index), width, height, camera=camera, quality=quality, edges=edges,
@@ -81,7 +85,7 @@ def write_video(
                     shown = index
                 writer.append_data(picture)
                 if progress:
-                    progress(done, len(times))
+                    progress(done, len(indices))
         with naming(place):
             temporary.replace(place)
     finally:
@@ -98,6 +102,20 @@ def _require_film(path: Path, fps: float, speed: float) -> None:
     ):
         if not real_number(value, f"write_video: {name}") > 0.0 or not math.isfinite(value):
             raise InvalidArgument(f"write_video: {name} = {value}: must be > 0 and finite, {meaning}")
+
+
+def _limits(recording: Recording, frames: Sequence[int], options: Mapping[str, Any]) -> tuple[float, float]:
+    """Of the colours of all frames of a film."""
+    bodies = recording.frame(0).bodies
+    kept = kept_of([body.name for body in bodies], options.get("bodies"), options.get("hide", ()))
+    shown = {bodies[i].name for i in kept}
+    ends: list[np.ndarray] = []
+    for frame in frames:
+        for values in field_of(recording.frame(frame), options["field"], shown).values.values():
+            known = values[np.isfinite(values)]
+            if len(known):
+                ends.append(np.array([known.min(), known.max()], dtype=np.float64))
+    return limits_of(ends)
 
 
 def _times(recording: Recording, fps: float, speed: float) -> np.ndarray:

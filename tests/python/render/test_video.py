@@ -7,11 +7,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from fake_simulation import record
 
 import stark
-from stark.render import write_video
+from stark import cli
+from stark.recording import Recorder, Recording
+from stark.render import render, write_video
 
 
 def test_films_name_the_extra_when_packages_are_missing(tmp_path: Path, monkeypatch) -> None:
@@ -62,3 +65,67 @@ def test_other_films(tmp_path: Path, suffix: str) -> None:
     pytest.importorskip("imageio_ffmpeg")
     path = write_video(record(tmp_path / "run", 2), tmp_path / f"run{suffix}", width=64, height=48)
     assert path.suffix == suffix and path.stat().st_size > 500
+
+
+def timed(folder: Path) -> Recording:
+    """Two bodies, whose field is the time: 0 to 0.05 s, and 1 s more."""
+    scene = stark.Scene()
+    scene.add_sphere(0.1, mass=1.0, name="ball", subdivisions=1)
+    scene.add_box(0.1, mass=1.0, name="box", position=(0.5, 0, 0))
+    sim = stark.Simulation(scene, time_step=0.01)
+
+    def ages(sim: Any) -> dict[str, Any]:
+        return {b.name: sim.time + k + np.zeros(len(b.mesh.vertices)) for k, b in enumerate(scene.bodies)}
+
+    with Recorder(folder, sim, arrays={"age [s]": ages}) as recorder:
+        recorder.record(sim)
+        for _ in range(5):
+            sim.step()
+            recorder.record(sim)
+    return Recording(folder)
+
+
+@pytest.mark.parametrize(
+    ("options", "limits"),
+    [
+        ({}, (0.0, 1.05)),
+        ({"hide": "box"}, (0.0, 0.05)),
+        ({"bodies": "box"}, (1.0, 1.05)),
+        ({"limits": (-1.0, 2.0)}, (-1.0, 2.0)),
+    ],
+)
+def test_colours_have_one_scale_in_a_film(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: dict[str, Any], limits: tuple[float, float]
+) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    run, drawn = timed(tmp_path / "run"), []
+
+    def spy(frame: Any, *size: int, **given: Any) -> Any:
+        drawn.append(given)
+        return render(frame, *size, **given)
+
+    monkeypatch.setattr(stark.render.video, "render", spy)
+    write_video(run, tmp_path / "a.mp4", width=64, height=48, field="age [s]", fps=100.0, **options)
+    assert len(drawn) == 6
+    assert all(given["limits"] == pytest.approx(limits, abs=1e-7) for given in drawn)
+
+
+def test_cameras_of_films_are_those_of_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    run, drawn = timed(tmp_path / "run"), []
+    view = {"camera": (0.2, -1.0, 0.3), "target": "ball", "field_of_view": 0.4}
+
+    def spy(frame: Any, *size: int, **given: Any) -> Any:
+        drawn.append(render(frame, *size, **given))
+        return drawn[-1]
+
+    monkeypatch.setattr(stark.render.video, "render", spy)
+    write_video(run, tmp_path / "a.mp4", width=64, height=48, fps=100.0, grid=False, **view)
+    for k, picture in enumerate(drawn):
+        # The light of a film stands still, so compare where bodies are, not how bright.
+        still = render(run.frame(k), 64, 48, quality="draft", grid=False, **view)
+        assert np.mean((picture != picture[0, 0]).any(axis=2) != (still != still[0, 0]).any(axis=2)) < 0.02
+    words = ["--camera=0.2,-1,0.3", "--target", "ball", "--fov", "30", "--field", "age [s]", "--hide", "box"]
+    words += ["--size", "64x48", "--out", str(tmp_path / "b.mp4")]
+    assert cli.main(["video", str(tmp_path / "run"), *words]) == 0
+    assert (tmp_path / "b.mp4").stat().st_size > 500
