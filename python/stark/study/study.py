@@ -8,6 +8,8 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
+import numpy as np
+
 from .._core import InvalidArgument
 from ..arguments import given_path
 from ..files import printable, resolved
@@ -67,9 +69,17 @@ class Study:
         plans, scene files or versions of Stark. They stay, and are kept by a plan that has their runs."""
         return self._files.others([entry.key for entry in self.runs])
 
-    def run_folder(self, key: str) -> Path:
-        """The run folder of a run, a recording."""
-        return self._files.run_folder(key)
+    def run_folder(self, run: str | int) -> Path:
+        """The run folder of a run, a recording, by the number or the key that the table has of it."""
+        keys = [entry.key for entry in self.runs]
+        if not isinstance(run, (bool, str)) and isinstance(run, (int, np.integer)) and 0 <= run < len(keys):
+            return self._files.run_folder(keys[run])
+        if not isinstance(run, str) or run not in keys:
+            raise StudyError(
+                f"'{self.folder}': run_folder: run = {run!r}: must be a number in [0, {len(keys)}) or a key, "
+                "as in the columns 'run' and 'key' of the table"
+            )
+        return self._files.run_folder(run)
 
     def write_csv(self, path: str | PathLike[str] | None = None) -> Path:
         """Writes ``table.csv`` into the folder, or to ``path``."""

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from _studies import grid, write_study
 
@@ -58,6 +59,12 @@ def test_a_study_has_a_row_for_each_run(tmp_path: Path) -> None:
         # Implicit Euler falls by g h^2 n (n + 1) / 2.
         assert row["observables.fallen"] == pytest.approx(9.81e-4 * 15, rel=1e-9)
         assert row["measured.height"] == pytest.approx(row["option.height"] - 9.81e-4 * 15, rel=1e-12)
+        series = Recording(study.run_folder(np.int64(row["run"]))).telemetry
+        assert series["measured.height"][-1] == row["measured.height"]
+        assert study.run_folder(row["key"]) == study.run_folder(row["run"])
+    for unknown in (6, -1, True, 0.5, None, "nokey", "../.."):
+        with pytest.raises(StudyError, match=r"must be a number in \[0, 6\) or a key"):
+            study.run_folder(unknown)  # type: ignore[arg-type]
         assert Recording(study.run_folder(row["key"])).status == "complete"
     table = rows_of_csv(tmp_path / "out")
     assert [float(row["observables.fallen"]) for row in table] == [
