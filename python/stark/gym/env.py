@@ -74,8 +74,10 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[Any], dict[str, Any]]:
         """Starts an episode; the same ``seed`` gives the same one, whatever was before. Costs less than a
-        step, as nothing is built again; a task with ``randomise`` gets another ``sim``."""
+        step, as nothing is built again; a task with ``randomise`` gets another ``sim``. ``options`` become
+        those of the task."""
         super().reset(seed=seed)
+        self.task._take_options(dict(options or {}))
         if self.task.is_randomised:
             self.task.randomise(self.np_random)
             self._build()

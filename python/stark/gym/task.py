@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Mapping
 from os import PathLike
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,8 @@ class Task:
     """Longest episode [s]."""
     settle: float = 0.0
     """Simulated once, before the first episode [s]: every episode starts from there."""
+    options: Mapping[str, Any] = MappingProxyType({})
+    """What ``reset(options=...)`` was given, for ``randomise`` and ``start``; empty without."""
 
     def randomise(self, random: np.random.Generator) -> None:
         """Draws what ``build`` then makes the scene of: friction, masses, materials, shapes. A task that has
@@ -81,6 +84,10 @@ class Task:
         """What else one may want to know."""
         return {}
 
+    def _take_options(self, options: dict[str, Any]) -> None:
+        """Those of ``reset``."""
+        self.options = options
+
 
 class FileTask(Task):
     """The task of a scene file: its functions ``spaces()``, ``start(sim, random)``, ``act(sim, action)``,
@@ -119,6 +126,13 @@ class FileTask(Task):
         built = self._file.build()
         self._memory = copy.deepcopy(self._file.memory)
         return built
+
+    def _take_options(self, options: dict[str, Any]) -> None:
+        if options:
+            raise TaskError(
+                f"scene '{self.name}': reset: options = {options!r}: must be none, functions of a scene file "
+                "do not get them; give a stark.gym.Task"
+            )
 
     def start(self, sim: Any, random: np.random.Generator) -> None:
         self._file.recall(copy.deepcopy(self._memory))  # what drive() remembered of the last episode goes
@@ -163,6 +177,9 @@ class SceneTask(Task):
 
     def build(self) -> tuple[Any, dict[str, Any]]:
         return self._file.build()
+
+    def _take_options(self, options: dict[str, Any]) -> None:
+        self._task._take_options(options)
 
 
 def task_of(scene: str | PathLike[str] | Task, options: Mapping[str, Any] | None, task: Task | None) -> Task:

@@ -268,3 +268,23 @@ def test_documents_and_other_files_take_a_task(tmp_path: Path) -> None:
         SceneEnv(Push(), task=Push())
     with pytest.raises(TaskError, match=r"must be a stark\.gym\.Task"):
         SceneEnv(path, task=7)  # type: ignore[arg-type]
+
+
+class Placed(Push):
+    """The cube starts where the options of the reset say."""
+
+    def start(self, sim: Any, random: np.random.Generator) -> None:
+        sim.joints[0].coordinates = {"displacement": self.options.get("start", 0.0)}
+
+
+def test_options_of_a_reset_are_those_of_the_task(tmp_path: Path) -> None:
+    scene, settings = Push().build()
+    path = scene.save(tmp_path / "push.json", settings=settings)
+    for env in (SceneEnv(Placed()), SceneEnv(path, task=Placed())):
+        assert env.reset(seed=1, options={"start": 0.25})[0][0] == pytest.approx(0.25)
+        assert env.reset(seed=1)[0][0] == 0.0
+    (tmp_path / "throw.py").write_text(FILE)
+    env = SceneEnv(tmp_path / "throw.py")
+    env.reset(seed=1, options={})
+    with pytest.raises(TaskError, match=r"options = \{'start': 0\.25\}: must be none"):
+        env.reset(options={"start": 0.25})
