@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stark._core import InvalidArgument
-from stark.arguments import refuse_masked
+from stark.arguments import real_number, refuse_masked
 from stark.bodies import Body
 from stark.handle import SceneLink
 from stark.named import NamedTuple
@@ -222,6 +222,10 @@ class SceneJoints(SceneLink):
         """Spring and damper between two points (arguments as in ``add_distance``): ``stiffness`` [N/m],
         ``damping`` [N s/m], ``rest_length`` [m], that at time 0 if left out. Its ``joint`` is a span."""
         length = _length("spring", anchor_a, anchor_b) if rest_length is None else rest_length
+        if real_number(length, "spring: rest_length") < 0.0:
+            raise InvalidArgument(
+                f"spring: rest_length = {length:g} m: must be >= 0; 0 pulls both points together"
+            )
         with self._all_or_nothing():
             span = self.add_span(a, b, anchor_a, anchor_b, contact=contact)
             return span.add_spring(stiffness, damping=damping, rest=length, name=name)

@@ -205,3 +205,12 @@ def test_a_distance_other_than_that_of_its_points_is_named() -> None:
     )
     with pytest.raises(stark.InvalidArgument, match=message):
         simulate(scene)
+
+
+def test_a_spring_rests_at_a_length() -> None:
+    scene = stark.Scene()
+    ball = scene.add_sphere(0.05, mass=1.0)
+    for wrong, message in ((-0.1, r"rest_length = -0\.1 m: must be >= 0"), ("1", "must be a number")):
+        with pytest.raises(stark.InvalidArgument, match=message):
+            scene.add_spring(None, ball, (0, 0, 1), (0, 0, 0), stiffness=10.0, rest_length=wrong)  # type: ignore[arg-type]
+    assert not scene.joints and not scene.actuators
