@@ -140,6 +140,9 @@ class _Material(Generic[_CoreMaterial]):
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
+        recorded = None if self._recorded is None else self._recorded[0]
+        if callable(recorded):  # made of a function, which is pickled by its name
+            return _recalled, (recorded, self.name, self.source, self.to_dict())
         law = None if self.law is None else self.law.name
         if law is not None and law not in self._laws:
             raise TypeError(f"material with the law '{law}' cannot be pickled: the law is not built in")
@@ -273,6 +276,12 @@ def _text(value: float | str | NDArray[np.float64]) -> str:
 
 def _rebuild(kind: type[Any], name: str, source: str, law: str | None, parameters: dict[str, Any]) -> Any:
     return kind._with(None if law is None else kind._laws[law], name, source, parameters)
+
+
+def _recalled(law: Any, name: str, source: str, parameters: dict[str, Any]) -> Any:
+    material = law(name=name, **parameters)
+    object.__setattr__(material, "source", source)
+    return material
 
 
 class ShellMaterial(_Material[_core.ShellMaterial]):

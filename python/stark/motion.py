@@ -49,6 +49,11 @@ class Motion:
     def __repr__(self) -> str:
         return f"<stark.motion {self._text}>"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._knots is None:
+            return Motion, (self._value, self.duration, self._text)
+        return _again, (self._knots, self._text)
+
 
 def linear(times: ArrayLike, values: ArrayLike) -> Motion:
     """Straight lines between knots: ``times`` (n,) [s], rising, and ``values`` (n, ...)."""
@@ -177,6 +182,14 @@ def as_motion(value: Any, owner: str) -> Motion:
 
 
 # --- details ---
+
+
+def _again(knots: dict[str, Any], text: str) -> Motion:
+    """The motion that was pickled."""
+    made: dict[str, Callable[..., Motion]] = {"linear": linear, "spline": spline, "rotations": rotations}
+    same = made[knots["kind"]](**{name: value for name, value in knots.items() if name != "kind"})
+    same._text = text
+    return same
 
 
 def _knots(owner: str, times: ArrayLike, values: ArrayLike, fewest: int) -> tuple[Floats, Floats]:

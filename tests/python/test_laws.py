@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import inspect
 import pickle
 
@@ -46,9 +47,9 @@ def test_values_are_attributes_and_survive_copies() -> None:
     assert (changed.c10, changed.c01, changed.density) == (5e4, 1e4, 900.0)
     assert material.c10 == 3e4
     assert changed != material
-    copy = pickle.loads(pickle.dumps(material))
-    assert copy == material
-    assert hash(copy) == hash(material)
+    same = pickle.loads(pickle.dumps(material))
+    assert same == material
+    assert hash(same) == hash(material)
     assert "law=mooney_rivlin" in repr(material)
     assert "c10=30000" in repr(material)
 
@@ -136,3 +137,49 @@ def test_woven_cloth_stretches_by_the_modulus_of_its_direction() -> None:
         sag[name] = -0.1 - cloth.positions[:, 1].min()
     assert sag["warp"] == pytest.approx(0.1 * 1.0 * 0.2**2 / (2 * 2e4 * 1e-3), rel=0.05)
     assert sag["weft"] == pytest.approx(0.1 * 1.0 * 0.2**2 / (2 * 5e3 * 1e-3), rel=0.05)
+
+
+@stark.material
+def fibred(
+    F: stark.DeformationGradient,
+    mu: float = stark.parameter(1e4, unit="Pa", above=0.0),
+    fibre: stark.Vec3 = stark.parameter((1.0, 0.0, 0.0)),
+):
+    J, f = stark.determinant(F), F @ fibre
+    return 0.5 * mu * (stark.trace(F.T @ F) - 3 - 2 * stark.log(J) + 4 * (J - 1) ** 2 + (f @ f - 1) ** 2)
+
+
+@stark.material
+def cord(stretch, EA: float = stark.parameter(unit="N", above=0.0)):
+    return 0.5 * EA * (stretch - 1) ** 2
+
+
+@pytest.mark.parametrize(
+    "material",
+    [
+        fibred(mu=2e4, fibre=(0, 1, 0), density=777.0, name="meat"),
+        fibred(mu=[1e4, 2e4, 3e4]).replace(density=900.0),
+        fibred(fibre=np.tile([0.0, 1.0, 0.0], (4, 1))),
+        cord(EA=20.0, base=materials.rubber_cord),
+        stark.generalized_maxwell(shear_modulus=1e5, bulk_modulus=1e9, moduli=[1e4, 2e4], times=[1.0, 9.0]),
+        stark.measured.steel,
+        stark.measured.skin,
+    ],
+    ids=repr,
+)
+def test_materials_of_functions_may_be_pickled_and_copied(material: stark.SolidMaterial) -> None:
+    for same in (pickle.loads(pickle.dumps(material)), copy.deepcopy(material)):
+        assert same == material and type(same) is type(material)
+        assert (same.name, same.source) == (material.name, material.source)
+        before, after = material.to_dict(), same.to_dict()
+        assert before.keys() == after.keys()
+        assert all(np.array_equal(before[name], after[name]) for name in before)
+
+
+def test_a_material_of_a_function_within_another_cannot_be_pickled() -> None:
+    @stark.material
+    def within(F: stark.DeformationGradient, mu: float = 1e4):
+        return mu * (stark.trace(F.T @ F) - 2 * stark.log(stark.determinant(F)))
+
+    with pytest.raises((AttributeError, pickle.PicklingError), match="within"):
+        pickle.dumps(within(mu=2e4))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 
@@ -272,3 +274,23 @@ def test_what_was_exported_as_usd_moves_another_scene(tmp_path: Path) -> None:
     assert len(both.vertices) == len(skin.vertices) + 8 and "spline" in repr(smooth)
     with pytest.raises(stark.InvalidArgument, match="prim = 3: must be the path"):
         motion.usd_mesh(tmp_path / "fall.usdc", 3)  # type: ignore[arg-type]
+
+
+def rising(time: float) -> list[float]:
+    return [0.0, 0.0, time]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        motion.linear(TIMES, VALUES),
+        motion.spline(TIMES, VALUES, rest=False),
+        motion.rotations([0, 1, 2], [stark.rotation(axis="z", angle=a) for a in (0.0, 1.0, 2.5)]),
+        motion.rotations([0, 1], [stark.rotation(axis="x", angle=a) for a in (0.0, 1.0)], smooth=False),
+        motion.function(rising),
+    ],
+)
+def test_motions_may_be_pickled_and_copied(given: motion.Motion) -> None:
+    for same in (pickle.loads(pickle.dumps(given)), copy.deepcopy(given)):
+        assert repr(same) == repr(given) and same.duration == given.duration
+        assert all(np.array_equal(same(t), given(t)) for t in (0.0, 0.21, 0.7, 3.0))

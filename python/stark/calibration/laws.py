@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -59,6 +59,11 @@ class LawFormula:
     """What makes a material: a MaterialLaw, a law of the core, or None for that of the class."""
     base: Any = None
     """A material that the fit was given, or None."""
+    given: Any = None
+    """What the fit was given."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return law_formula, (self.given,)
 
     @property
     def kind(self) -> str:
@@ -89,6 +94,10 @@ class LawFormula:
 
 def law_formula(law: Any) -> LawFormula:
     """The law in one form; InvalidArgument for what is none."""
+    return replace(_formula_of(law), given=law)
+
+
+def _formula_of(law: Any) -> LawFormula:
     base = law if isinstance(law, _MATERIALS) else None
     found = _law_of_material(law) if base is not None else _named(law)
     if isinstance(found, MaterialLaw):

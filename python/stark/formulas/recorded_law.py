@@ -62,6 +62,9 @@ class RecordedLaw:
         self.declared: dict[str, bool | None] = dict(declared)
         self._recorded: tuple[_core.Formula, ExpressionGraph, Sources] | None = None
         self._lock = threading.Lock()
+        # What makes it again, a function and its arguments, where it is not found by its name.
+        self._origin: tuple[Any, ...] | None = None
+        self.__qualname__: str  # of the function
         functools.update_wrapper(self, function)  # type: ignore[arg-type]
         shown = [
             inspect.Parameter(p.name, inspect.Parameter.KEYWORD_ONLY, default=p.declaration.default)
@@ -69,6 +72,10 @@ class RecordedLaw:
         ]
         others = inspect.Parameter("of_material", inspect.Parameter.VAR_KEYWORD)
         self.__signature__: inspect.Signature = inspect.Signature([*shown, others])
+
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        # Pickled by name, as functions are, or made again.
+        return self.__qualname__ if self._origin is None else self._origin
 
     @property
     def is_solid(self) -> bool:

@@ -198,7 +198,9 @@ def _solid_law(count: int) -> MaterialLaw:
     own = [_made("shear_modulus", float, parameter(unit="Pa", above=0.0))]
     own.append(_made("bulk_modulus", float, parameter(unit="Pa", above=0.0)))
     modulus = ("modulus", parameter(unit="Pa", above=0.0))
-    return _recorded(generalized_maxwell, [_made("F", DeformationGradient)], own, modulus, Mat3, count)
+    return _recorded(
+        _solid_law, generalized_maxwell, [_made("F", DeformationGradient)], own, modulus, Mat3, count
+    )
 
 
 @functools.cache
@@ -219,7 +221,7 @@ def _shell_law(count: int) -> MaterialLaw:
     own.append(_made("poissons_ratio", float, parameter(unit="1", min=0.0, below=0.5)))
     ratio = ("ratio", parameter(unit="1", above=0.0))
     return _recorded(
-        generalized_maxwell_shell, [_made("F", ShellDeformationGradient)], own, ratio, Mat2, count
+        _shell_law, generalized_maxwell_shell, [_made("F", ShellDeformationGradient)], own, ratio, Mat2, count
     )
 
 
@@ -245,7 +247,7 @@ def _rod_law(count: int) -> MaterialLaw:
     own = [_made(name, float, parameter(unit=unit, above=0.0)) for name, unit in _STIFFNESSES.items()]
     strains = [_made("stretch", float), _made("curvature", Vec2), _made("twist", float)]
     ratio = ("ratio", parameter(unit="1", above=0.0))
-    return _recorded(generalized_maxwell_rod, strains, own, ratio, Vec4, count)
+    return _recorded(_rod_law, generalized_maxwell_rod, strains, own, ratio, Vec4, count)
 
 
 def _made(name: str, annotation: Any, default: Any = inspect.Parameter.empty) -> inspect.Parameter:
@@ -255,6 +257,7 @@ def _made(name: str, annotation: Any, default: Any = inspect.Parameter.empty) ->
 
 
 def _recorded(
+    factory: Callable[[int], MaterialLaw],
     function: Callable[..., Any],
     strains: list[inspect.Parameter],
     own: list[inspect.Parameter],
@@ -263,7 +266,7 @@ def _recorded(
     count: int,
 ) -> MaterialLaw:
     """The law of strains, the time step, parameters of its own, then strengths, times and flows of
-    branches."""
+    branches; ``factory`` makes it again of a pickle."""
     numbers = range(1, count + 1)
     name, declared = strength
     arguments = [
@@ -275,4 +278,6 @@ def _recorded(
         *(_made(f"flow_{k}", shape, internal(0.0, doc="strain of the dashpot")) for k in numbers),
     ]
     function.__signature__ = inspect.Signature(arguments)  # type: ignore[attr-defined]
-    return material(function)
+    law: MaterialLaw = material(function)
+    law._origin = factory, (count,)
+    return law

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import re
 from pathlib import Path
 from typing import Any
@@ -156,3 +158,20 @@ def test_unknown_names_are_refused() -> None:
     ):
         with pytest.raises(stark.InvalidArgument, match=re.escape(text)):
             call()
+
+
+@pytest.mark.parametrize("law", [quartic, stark.SolidMaterial, stark.materials.silicone, quartic(a=1e4)])
+def test_fits_may_be_pickled_and_copied(law: Any) -> None:
+    tau = 4e4 * GAMMA
+    start = {"youngs_modulus": 1e5} if law is stark.SolidMaterial else None
+    fixed = (
+        {"poissons_ratio": 0.45} if law in (stark.SolidMaterial, stark.materials.silicone) else {"bulk": 1e9}
+    )
+    fit = stark.fit(law, curves.shear(GAMMA, tau), start=start, fixed=fixed)
+    for same in (pickle.loads(pickle.dumps(fit)), copy.deepcopy(fit)):
+        assert str(same) == str(fit) and same.values == fit.values
+        assert np.array_equal(
+            same.predict(curves.shear([0.5, 0.6], [1.0, 1.0])),
+            fit.predict(curves.shear([0.5, 0.6], [1.0, 1.0])),
+        )
+        assert same.material(density=900.0) == fit.material(density=900.0)
