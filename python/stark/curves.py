@@ -42,7 +42,7 @@ class Curve:
     twist."""
     measured: Floats
     """What was measured (n, q): nominal stresses [Pa], of shells bending moments [N], of rods [N] or [N
-    m]."""
+    m]; NaN of a test that was not measured, to be predicted."""
     times: Floats | None
     """When [s], (n,), None where the rate does not matter."""
     name: str
@@ -71,6 +71,11 @@ class Curve:
     def scale(self) -> float:
         """Largest of what was measured: what residuals are divided by where sigma is not known."""
         return float(np.abs(self.measured).max())
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether it can be fitted, not only predicted."""
+        return not bool(np.isnan(self.measured).any())
 
     @property
     def at_rest(self) -> float:
@@ -104,7 +109,7 @@ class Curve:
 
 def uniaxial(
     stretch: ArrayLike,
-    stress: ArrayLike,
+    stress: ArrayLike | None = None,
     *,
     times: ArrayLike | None = None,
     substeps: int = 1,
@@ -113,7 +118,8 @@ def uniaxial(
 ) -> Curve:
     """Tension or compression along the first axis of the material, free to contract.
 
-    stretch: (n,), 1 at rest. stress: nominal [Pa], (n,), of rods the force [N]. times: [s], (n,), from 0 at
+    stretch: (n,), 1 at rest. stress: nominal [Pa], (n,), of rods the force [N]; leave it out, here and in the
+    other tests, where ``Fit.predict`` shall say what it is. times: [s], (n,), from 0 at
     rest, for laws that depend on the rate. substeps: time steps from point to point, where points are far
     apart for a law that remembers. sigma: standard deviation of the noise [Pa]. InvalidArgument for values
     that are not finite, shapes that differ, and what looks like a strain or a percentage."""
@@ -122,7 +128,7 @@ def uniaxial(
 
 def equibiaxial(
     stretch: ArrayLike,
-    stress: ArrayLike,
+    stress: ArrayLike | None = None,
     *,
     times: ArrayLike | None = None,
     substeps: int = 1,
@@ -136,7 +142,7 @@ def equibiaxial(
 def biaxial(
     stretch_1: ArrayLike,
     stretch_2: ArrayLike,
-    stress_1: ArrayLike,
+    stress_1: ArrayLike | None = None,
     stress_2: ArrayLike | None = None,
     *,
     times: ArrayLike | None = None,
@@ -145,14 +151,18 @@ def biaxial(
     name: str = "biaxial",
 ) -> Curve:
     """Two stretches along the first two axes, free to contract along the third; stress_2 may be left out."""
-    stresses = {"stress_1": stress_1} | ({} if stress_2 is None else {"stress_2": stress_2})
+    stresses = {"stress_1": stress_1}
+    if stress_2 is not None or stress_1 is None:
+        stresses["stress_2"] = stress_2
+    if stress_1 is None and stress_2 is not None:
+        raise InvalidArgument(f"curves.{name}: stress_1 is missing: must be given where stress_2 is")
     stretches = {"stretch_1": stretch_1, "stretch_2": stretch_2}
     return _curve("biaxial", stretches, stresses, times, substeps, sigma, name)
 
 
 def planar(
     stretch: ArrayLike,
-    stress: ArrayLike,
+    stress: ArrayLike | None = None,
     *,
     times: ArrayLike | None = None,
     substeps: int = 1,
@@ -166,7 +176,7 @@ def planar(
 
 def shear(
     gamma: ArrayLike,
-    tau: ArrayLike,
+    tau: ArrayLike | None = None,
     *,
     free_height: bool = False,
     times: ArrayLike | None = None,
@@ -184,7 +194,7 @@ def shear(
 
 def volumetric(
     volume_ratio: ArrayLike,
-    pressure: ArrayLike,
+    pressure: ArrayLike | None = None,
     *,
     sigma: float | None = None,
     name: str = "volumetric",
@@ -196,7 +206,7 @@ def volumetric(
 
 def bending(
     curvature: ArrayLike,
-    moment: ArrayLike,
+    moment: ArrayLike | None = None,
     *,
     narrow: bool = False,
     axis: int = 1,
@@ -216,7 +226,7 @@ def bending(
 
 
 def torsion(
-    twist: ArrayLike, torque: ArrayLike, *, sigma: float | None = None, name: str = "torsion"
+    twist: ArrayLike, torque: ArrayLike | None = None, *, sigma: float | None = None, name: str = "torsion"
 ) -> Curve:
     """Twisting of a rod without axial force: twist [rad/m] (n,), torque [N m] (n,)."""
     return _curve("torsion", {"twist": twist}, {"torque": torque}, None, 1, sigma, name)
@@ -224,7 +234,7 @@ def torsion(
 
 def relaxation(
     times: ArrayLike,
-    stress: ArrayLike,
+    stress: ArrayLike | None = None,
     *,
     stretch: float | None = None,
     gamma: float | None = None,
@@ -265,14 +275,15 @@ def _with(curve: Curve, **changes: Any) -> Curve:
 def _curve(
     kind: str,
     imposed: dict[str, ArrayLike],
-    measured: dict[str, ArrayLike],
+    measured: dict[str, ArrayLike | None],
     times: ArrayLike | None,
     substeps: int,
     sigma: float | None,
     name: str,
 ) -> Curve:
     owner = f"curves.{given_name(name) or kind}"
-    columns = {key: _column(value, f"{owner}: {key}") for key, value in (imposed | measured).items()}
+    known = {key: value for key, value in measured.items() if value is not None}
+    columns = {key: _column(value, f"{owner}: {key}") for key, value in (imposed | known).items()}
     moments = None if times is None else _times(times, owner)
     if moments is not None:
         columns["times"] = moments
@@ -285,9 +296,11 @@ def _curve(
     for key in imposed:
         _check_imposed(columns[key], key, owner)
     first = next(iter(measured))
-    if not np.abs(columns[first]).max() > 0.0:
+    if first not in known:
+        columns |= {key: np.full(len(columns[next(iter(imposed))]), np.nan) for key in measured}
+    elif not np.abs(columns[first]).max() > 0.0:
         raise InvalidArgument(f"{owner}: {first} is 0 at all points: must have been measured")
-    if kind not in ("biaxial", "volumetric"):
+    elif kind not in ("biaxial", "volumetric"):
         _check_signs(columns, next(iter(imposed)), first, owner)
     if (
         isinstance(substeps, bool)
@@ -387,6 +400,11 @@ def require_curves(curves: Curve | Sequence[Curve]) -> tuple[Curve, ...]:
             f"fit: curves = {curves!r}: must be a curve of stark.curves, such as "
             f"stark.curves.uniaxial(stretch, stress), or a list of them"
         )
+    for curve in found:
+        if not curve.is_measured:
+            raise InvalidArgument(
+                f"fit: the curve '{curve.name}' was not measured: must have stresses to be fitted"
+            )
     names = [curve.name for curve in found]
     twice = sorted({name for name in names if names.count(name) > 1})
     if not twice:

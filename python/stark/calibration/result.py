@@ -133,7 +133,8 @@ class Fit:
         return self._formula.material(self.values, fields)
 
     def predict(self, curve: Curve) -> Floats:
-        """What the fitted law answers to another test (n, q); ``measured`` of the curve is not used."""
+        """What the fitted law answers to another test (n, q), which need not have been measured:
+        ``fit.predict(stark.curves.uniaxial(stretch))``."""
         if not isinstance(curve, Curve):
             raise InvalidArgument(f"predict: curve = {curve!r}: must be a curve of stark.curves")
         if (

@@ -96,7 +96,7 @@ def test_the_report_has_parameters_curves_and_warnings() -> None:
 def test_other_tests_are_predicted() -> None:
     fit = noisy(np.random.default_rng(4), sigma=0.0)
     stretch = np.array([1.5, 2.0])
-    predicted = fit.predict(curves.uniaxial(stretch, stretch))
+    predicted = fit.predict(curves.uniaxial(stretch))
     I1 = stretch**2 + 2.0 / stretch
     expected = 2.0 * (stretch - stretch**-2) * (2e4 + 2.0 * 2e3 * (I1 - 3.0))
     np.testing.assert_allclose(predicted[:, 0], expected, rtol=1e-3)  # compressible by K = 25000 mu
@@ -109,7 +109,35 @@ def test_other_tests_are_predicted() -> None:
         fixed={"poissons_ratio": 0.3},
     )
     with pytest.raises(stark.InvalidArgument, match="is of bending: must have been fitted, too"):
-        sheet.predict(curves.bending(GAMMA, GAMMA))
+        sheet.predict(curves.bending(GAMMA))
+
+
+@pytest.mark.parametrize(
+    ("planned", "measured"),
+    [
+        (curves.uniaxial([1.2, 0.8]), curves.uniaxial([1.2, 0.8], [1.0, -1.0])),
+        (curves.equibiaxial([1.2, 1.4]), curves.equibiaxial([1.2, 1.4], [1.0, 2.0])),
+        (curves.planar([1.2, 1.4]), curves.planar([1.2, 1.4], [1.0, 2.0])),
+        (
+            curves.biaxial([1.2, 1.4], [1.1, 1.2]),
+            curves.biaxial([1.2, 1.4], [1.1, 1.2], [1.0, 2.0], [1.0, 1.0]),
+        ),
+        (curves.shear([-0.2, 0.4]), curves.shear([-0.2, 0.4], [-1.0, 2.0])),
+        (curves.volumetric([0.9, 0.8]), curves.volumetric([0.9, 0.8], [1.0, 2.0])),
+        (
+            curves.relaxation([0.1, 1.0], gamma=0.2),
+            curves.relaxation([0.1, 1.0], [2.0, 1.0], gamma=0.2),
+        ),
+    ],
+)
+def test_a_test_to_be_predicted_needs_no_stresses(planned: curves.Curve, measured: curves.Curve) -> None:
+    fit = noisy(np.random.default_rng(4), sigma=0.0)
+    assert np.array_equal(fit.predict(planned), fit.predict(measured))
+    assert measured.is_measured and not planned.is_measured
+    with pytest.raises(stark.InvalidArgument, match="stress_1 is missing: must be given where stress_2 is"):
+        curves.biaxial([1.2, 1.4], [1.1, 1.2], stress_2=[1.0, 2.0])
+    with pytest.raises(stark.InvalidArgument, match="was not measured: must have stresses to be fitted"):
+        stark.fit(quartic, [measured, planned])
 
 
 def test_materials_simulate_with_what_was_fitted() -> None:
@@ -171,7 +199,7 @@ def test_fits_may_be_pickled_and_copied(law: Any) -> None:
     for same in (pickle.loads(pickle.dumps(fit)), copy.deepcopy(fit)):
         assert str(same) == str(fit) and same.values == fit.values
         assert np.array_equal(
-            same.predict(curves.shear([0.5, 0.6], [1.0, 1.0])),
-            fit.predict(curves.shear([0.5, 0.6], [1.0, 1.0])),
+            same.predict(curves.shear([0.5, 0.6])),
+            fit.predict(curves.shear([0.5, 0.6])),
         )
         assert same.material(density=900.0) == fit.material(density=900.0)
