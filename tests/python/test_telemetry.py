@@ -26,6 +26,20 @@ def test_telemetry_columns_units_and_gaps(tmp_path: Path) -> None:
         telemetry["energi"]
 
 
+def test_telemetry_is_a_dictionary_of_copies(tmp_path: Path) -> None:
+    telemetry = record(tmp_path / "run", 10).telemetry
+    table = dict(telemetry)
+    assert list(table) == list(telemetry) == telemetry.names and "time" in telemetry and 0 not in telemetry
+    time = telemetry["time"]
+    time *= 1000.0
+    assert np.array_equal(telemetry["time"], table["time"]) and table["time"][0] == pytest.approx(1.0 / 30.0)
+    for wrong in (0, ["time", "step"], slice(3)):
+        with pytest.raises(
+            TelemetryError, match=r"must be the name of a series, such as telemetry\['time'\]"
+        ):
+            telemetry[wrong]  # type: ignore[index]
+
+
 def test_telemetry_lines_are_standard_json(tmp_path: Path) -> None:
     with TelemetryWriter(tmp_path / "t.jsonl") as writer:
         writer.write(report(0.1, residual=math.nan, message='a "quoted"\nline'))

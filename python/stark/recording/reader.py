@@ -61,6 +61,13 @@ def _strict_json(text: str) -> Any:
     return json.loads(text, parse_float=number, parse_constant=number)
 
 
+def _kept(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What later frames are read from: not to be written into."""
+    for array in arrays.values():
+        array.flags.writeable = False
+    return arrays
+
+
 class Recording:
     """A recorded run. Frames are read chunk by chunk, so a long recording need not fit into memory."""
 
@@ -105,6 +112,7 @@ class Recording:
         self._starts = np.cumsum([0] + [len(t) for t in times])
         #: Time of each frame [s], shape (frames,).
         self.times: np.ndarray = np.concatenate(times) if times else np.zeros(0)
+        self.times.flags.writeable = False
         if len(self.times) != frame_count:
             raise RecordingError(
                 f"'{self.folder}' holds {len(self.times)} frames, its manifest says {frame_count}; "
@@ -166,6 +174,7 @@ class Recording:
                     f"'{path}': a triangle of body '{body.name}' names a vertex that it does not have"
                 )
             triangles.append(array.astype(np.int32))
+            triangles[-1].flags.writeable = False
         return triangles
 
     def _chunk(self, index: int) -> dict[str, np.ndarray]:
@@ -196,7 +205,7 @@ class Recording:
                 )
         if len(self._cache) >= 4:
             self._cache.pop(next(iter(self._cache)))
-        self._cache[index] = arrays
+        self._cache[index] = _kept(arrays)
         return arrays
 
     def __len__(self) -> int:
@@ -229,13 +238,13 @@ class Recording:
 
     def triangles(self, body: str | int) -> np.ndarray:
         """Triangles of a body, (m, 3) int32."""
-        return self._triangles[self.body_index(body)]
+        return self._triangles[self.body_index(body)].copy()
 
     def positions(self, body: str | int, frames: slice | int = slice(None)) -> np.ndarray:
         """Positions of a body in the world [m]: (n, 3) for one frame, (frames, n, 3) for a slice, float32."""
         which = self.body_index(body)
         if isinstance(frames, int):
-            return self._positions_at(which, self._frame_index(frames))
+            return self._positions_at(which, self._frame_index(frames)).copy()
         indices = range(*frames.indices(len(self)))
         if not indices:
             return np.zeros((0, self.bodies[which].vertex_count, 3), dtype=np.float32)
@@ -268,7 +277,7 @@ class Recording:
             chunk = read_chunk(self._place / field_path(index), path, self.manifest, counts, length)
             if len(self._field_cache) >= 2:
                 self._field_cache.pop(next(iter(self._field_cache)))
-            self._field_cache[index] = chunk
+            self._field_cache[index] = _kept(chunk)
         return row_of(self._field_cache[index], frame - int(self._starts[index]))
 
     def field(self, name: str, frame: int) -> dict[str, np.ndarray]:
@@ -283,7 +292,7 @@ class Recording:
             )
         row = self.field_row(frame)
         return {
-            self.bodies[i].name: row[f"values_{numbers[0]:02d}_{i:04d}"]
+            self.bodies[i].name: row[f"values_{numbers[0]:02d}_{i:04d}"].copy()
             for i in self.fields[numbers[0]].bodies
         }
 

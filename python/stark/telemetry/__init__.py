@@ -12,7 +12,7 @@ import io
 import json
 import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -264,11 +264,23 @@ class Telemetry:
                     names[key] = None
         return list(names)
 
-    def __contains__(self, name: str) -> bool:
+    def keys(self) -> list[str]:
+        """As ``names``: ``dict(telemetry)`` has all series, for ``pandas.DataFrame``."""
+        return self.names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __contains__(self, name: object) -> bool:
         return name in self.names
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Column of shape (steps,), float64, NaN where a step has no value."""
+        """Column of shape (steps,), float64, NaN where a step has no value; a copy."""
+        if not isinstance(name, str):
+            raise TelemetryError(
+                f"telemetry[{name!r}]: must be the name of a series, such as telemetry['time'], which is an "
+                "array with one value a step"
+            )
         if name not in self._columns:
             group, _, inner = name.partition(".")
             values = []
@@ -280,7 +292,7 @@ class Telemetry:
             if self.rows and name not in self.names:
                 raise KeyError(f"no series '{name}'; there are: {', '.join(self.names)}")
             self._columns[name] = np.array(values, dtype=np.float64)
-        return self._columns[name]
+        return self._columns[name].copy()
 
     def unit(self, name: str) -> str:
         """Unit of a series in SI symbols, ``1`` for counts."""

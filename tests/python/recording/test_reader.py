@@ -32,6 +32,22 @@ def test_frames_come_back_as_float32(tmp_path: Path, steps: int) -> None:
     assert np.array_equal(run.positions(0, -1), run.frame(-1).bodies[0].positions)
 
 
+def test_what_is_read_is_not_changed_by_what_is_done_with_it(tmp_path: Path) -> None:
+    run = record(tmp_path / "run", 5)
+    for read in (
+        lambda: run.positions("cloth", 2),
+        lambda: run.positions("floor", 2),  # stored once for all frames
+        lambda: run.positions("cloth"),
+        lambda: run.triangles("cloth"),
+    ):
+        before, given = read(), read()
+        given += 1
+        assert np.array_equal(read(), before)
+    for shared in (run.times, run.frame(2).bodies[0].positions, run.frame(2).bodies[0].triangles):
+        with pytest.raises(ValueError, match="read-only"):
+            shared += 1
+
+
 def test_bodies_keep_name_kind_motion_and_colour(tmp_path: Path) -> None:
     run = record(tmp_path / "run", 1)
     assert [b.name for b in run.bodies] == ["cloth", "</script>box & 'Ω'", "floor"]
