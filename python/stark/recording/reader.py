@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import warnings
 from collections.abc import Iterator
 from os import PathLike
@@ -105,6 +106,7 @@ class Recording:
         self._triangles = self._read_topology()
         self._cache: dict[int, dict[str, np.ndarray]] = {}
         self._field_cache: dict[int, dict[str, np.ndarray]] = {}
+        self._telemetry: tuple[tuple[int, int, int], Telemetry] | None = None
         times = [self._chunk(index)["times"] for index in range(chunk_count)]
         if self.status == "running" and times:
             # The last chunk grows at checkpoints; frames that the manifest does not count yet are not there.
@@ -219,11 +221,21 @@ class Recording:
 
     @property
     def telemetry(self) -> Telemetry:
-        """The numbers of every step. An unfinished last line is allowed only in a run that was killed."""
+        """The numbers of every step, read again when the file has changed. An unfinished last line is allowed
+        only in a run that was killed."""
+        file = self._place / TELEMETRY
         try:
-            return Telemetry.read(self._place / TELEMETRY, tolerate_cut_line=self.status == "running")
-        except TelemetryError as error:
-            raise RecordingError(str(error)) from error
+            found = os.stat(file)
+            stamp = (found.st_ino, found.st_size, found.st_mtime_ns)
+        except OSError:  # which reading then reports
+            stamp = (0, 0, 0)
+        if self._telemetry is None or self._telemetry[0] != stamp:
+            try:
+                read = Telemetry.read(file, tolerate_cut_line=self.status == "running")
+            except TelemetryError as error:
+                raise RecordingError(str(error)) from error
+            self._telemetry = stamp, read
+        return self._telemetry[1]
 
     def body_index(self, body: str | int) -> int:
         """Index of a body given by name or index."""

@@ -48,6 +48,17 @@ def test_what_is_read_is_not_changed_by_what_is_done_with_it(tmp_path: Path) -> 
             shared += 1
 
 
+def test_telemetry_is_read_once_until_it_grows(tmp_path: Path) -> None:
+    run = record(tmp_path / "run", 5)
+    assert run.telemetry is run.telemetry and len(run.telemetry) == 5
+    file = tmp_path / "run/telemetry.jsonl"
+    file.write_text(file.read_text() + file.read_text().splitlines()[-1] + "\n")
+    assert len(run.telemetry) == 6
+    file.unlink()
+    with pytest.raises(RecordingError, match="cannot be read"):
+        _ = run.telemetry
+
+
 def test_bodies_keep_name_kind_motion_and_colour(tmp_path: Path) -> None:
     run = record(tmp_path / "run", 1)
     assert [b.name for b in run.bodies] == ["cloth", "</script>box & 'Ω'", "floor"]
