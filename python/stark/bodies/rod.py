@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array
 from stark.bodies.deformable import DeformableBody
-from stark.joined_points import JoinedPoints
 from stark.materials import RodMaterial
 from stark.mesh import Indices, Polyline
 from stark.readings import reading
 from stark.selections import FrameHandle, node_frame, node_points, rows_of
 from stark.tubes import outline, tube
+
+if TYPE_CHECKING:
+    from stark.joined_points import JoinedPoints
 
 Floats = NDArray[np.float64]
 
@@ -42,6 +44,8 @@ class Rod(DeformableBody):
         """Points carried by the frames of nodes, for energies: eyelets beside the rod. ``nodes``: indices, a
         slice or a mask; ``local`` (3,), or (n, 3) for n nodes, in the frames of the nodes [m], whose axes are
         d1 and d2 of the section and d3 along the rod."""
+        from stark.joined_points import JoinedPoints
+
         owner = f"'{self.name}': points"
         count = len(self.mesh.vertices)
         chosen = np.atleast_1d(np.arange(count)[rows_of(nodes, count, owner)])
