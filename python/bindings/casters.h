@@ -20,7 +20,7 @@
 #include <span>
 #include <variant>
 
-#include <stark/base/error.h>
+#include <stark/base/choices.h>
 #include <stark/collision/intersection.h>
 #include <stark/mechanics/declaration_readings.h>
 #include <stark/sim/report_readings.h>
@@ -203,18 +203,6 @@ void def_readings(nb::class_<Class>& c) {
   });
 }
 
-/// The enumerator of a name; throws InvalidArgument about the subject that lists all of them.
-template <typename Choice>
-Choice choice_of(const std::string& value, const std::string& subject) {
-  const auto& names = EnumNames<Choice>::kNames;
-  const std::vector<std::string> known(names.begin(), names.end());
-  std::string list;
-  for (size_t i = 0; i < known.size(); ++i) {
-    if (known[i] == value) return static_cast<Choice>(i);
-    list += (i ? ", '" : "'") + known[i] + "'";
-  }
-  throw InvalidArgument(subject + ": must be one of " + list + nearest_name_hint(value, known));
-}
 template <typename Choice>
 std::string_view name_of(Choice choice) {
   return EnumNames<Choice>::kNames[static_cast<size_t>(choice)];
@@ -289,7 +277,7 @@ struct type_caster<Choice, enable_if_t<std::is_enum_v<Choice>>>
     if constexpr (requires { stark::EnumNames<Choice>::kNoun; }) {
       const auto name = cast<std::string>(object);
       const std::string subject = std::string(stark::EnumNames<Choice>::kNoun) + " '" + name + "'";
-      this->value = stark::bindings::choice_of<Choice>(name, subject);
+      this->value = stark::choice_of<Choice>(name, subject);
       return true;
     }
     return false;

@@ -25,10 +25,10 @@ auto draw(const nb::list& given_meshes, nb::handle given_camera, nb::handle give
   }
   const auto camera = Given(given_camera, "camera").description<RasterCamera>();
   const auto settings = Given(given_settings, "picture").description<RasterSettings>();
-  const auto drawn = [&](const auto& interrupted) {
-    return rasterise(meshes, camera, settings, interrupted);
-  };
-  Image image = interruptible(drawn);  // "best" pictures take seconds
+  Signals signals;  // "best" pictures take seconds
+  const auto interrupted = [&] { return signals.have_come(); };
+  Image image = without_gil([&] { return rasterise(meshes, camera, settings, interrupted); });
+  signals.raise_again();
   const size_t height = image.height, width = image.width;
   return to_numpy(std::move(image.pixels), {height, width, 3});
 }

@@ -65,8 +65,7 @@ NB_MODULE(_core, m) {
   m.attr("__version__") = STARK_VERSION;
   bind_exceptions(m);
   wait_at_exit();
-  // What an interpreter leaves alive when it ends, frames in a debugger or a test runner, is for those to
-  // know who look for it in these bindings.
+  // Debuggers and test runners keep frames alive: for those to know who look for leaks of these bindings.
   nb::set_leak_warnings(std::getenv("STARK_LEAK_WARNINGS") != nullptr);
   bind_geometry(m);
   bind_definitions(m);

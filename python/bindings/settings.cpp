@@ -18,10 +18,9 @@ nb::class_<S> bind_described(nb::module_& m, const char* name, const char* doc) 
   const auto update = [](S& s, const FieldMap& values, const std::string& owner) {
     S::fields().set_all(&s, values, owner);
   };
-  const auto get = [](const S& s, const std::string& field) { return S::fields().get(&s, field); };
   nb::class_<S> c(m, name, doc);
   c.def(nb::init<>());
-  def(c, "get", get, {"name"});
+  def(c, "get", [](const S& s, const std::string& field) { return S::fields().get(&s, field); }, {"name"});
   c.def("set", set, "name"_a, "value"_a.none(), "owner"_a = "", "Checks the range, then assigns.");
   def(c, "update", update, {"values", {"owner", ""}}, "Assigns all entries, or none when one is refused.");
   def(c, "to_dict", [](const S& s) { return S::fields().to_map(&s); });

@@ -21,15 +21,13 @@ void make(S* self, const Scene& scene, const Settings& settings) {
   new (self) S(scene, settings, raise_signals);
 }
 
-StepReport run_step(S& sim, std::optional<double> max_time_step, nb::object progress,
-                    double progress_period) {
-  const auto step = [&]() -> StepReport { return sim.step(max_time_step.value_or(1e300)); };
-  return watched(sim, step, std::move(progress), progress_period);
+StepReport run_step(S& sim, std::optional<double> limit, nb::object progress, double period) {
+  const auto step = [&]() -> StepReport { return sim.step(limit.value_or(1e300)); };
+  return watched(sim, step, std::move(progress), period);
 }
 
-bool resume(S& sim, const State& before, std::optional<double> max_time_step, const State& state,
-            double placed) {
-  return watched(sim, [&] { return sim.resume(before, max_time_step.value_or(1e300), state, placed); });
+bool resume(S& sim, const State& before, std::optional<double> limit, const State& state, double placed) {
+  return watched(sim, [&] { return sim.resume(before, limit.value_or(1e300), state, placed); });
 }
 
 auto next_step(const S& sim, std::optional<double> limit) {

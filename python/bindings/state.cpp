@@ -26,8 +26,6 @@ nb::dict state_arrays(const State& state) {
   return arrays;
 }
 
-std::vector<StateArray> state_fields() { return arrays_of(State()); }
-
 State state_of_arrays(const nb::dict& given) {
   using Any = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;
   std::vector<Any> kept;  // the arrays live as long as they are read
@@ -57,29 +55,24 @@ void bind_state(nb::module_& m) {
   property(state, "time", &S::time, "Simulated time [s].");
   property(state, "time_step", &S::time_step, "Length of the next step, or less for the next mark [s].");
   property(state, "step_count", &S::step_count, "Accepted steps so far.");
-  property(state, "point_positions", &S::point_position,
-           "Positions of the points of cloth and solids (n, 3) [m].");
+  property(state, "point_positions", &S::point_position, "Points of cloth and solids (n, 3) [m].");
   property(state, "point_velocities", &S::point_velocity, "Their velocities (n, 3) [m/s].");
-  property(state, "body_positions", &S::body_position,
-           "Centres of mass of rigid bodies, nodes of rods (n, 3) [m].");
+  property(state, "body_positions", &S::body_position, "Rigid bodies and nodes of rods (n, 3) [m].");
   property(
       state, "hash", [](const S& s) { return to_hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.");
   def(state, "copy", [](const S& s) { return s; }, "A state of its own: the same value.");
-  def(state, "arrays", state_arrays,
-      "All fields by name, as arrays of their own; State.fields() describes them.");
+  def(state, "arrays", state_arrays, "All fields by name, as arrays of their own: see State.fields().");
   state.def_static("of_arrays", state_of_arrays, "arrays"_a,
                    "The state of what arrays() gave. Raises InvalidArgument for fields that are missing, "
                    "unknown or of another type or shape.");
-  state.def_static("fields", state_fields, "Name, unit and meaning of every field, in order.");
+  state.def_static("fields", [] { return arrays_of(S()); }, "Name, unit and meaning of each, in order.");
   def(state, "first_difference", first_difference, {"other"},
       "Name of the first field that differs, '' when all bits are equal.");
   state.def(
       "__eq__", [](const S& a, const S& b) { return first_difference(a, b).empty(); }, "other"_a,
       nb::is_operator());
   def(state, "__repr__", [](const S& s) {
-    return "<State at " + to_text(s.time) + " s, after " + std::to_string(s.step_count) +
-           " steps: " + std::to_string(s.point_position.size()) + " points, " +
-           std::to_string(s.body_position.size()) + " rigid bodies and nodes>";
+    return "<stark.State at " + to_text(s.time) + " s, after " + std::to_string(s.step_count) + " steps>";
   });
   def(state, "__hash__", [](const S& s) { return static_cast<Py_hash_t>(s.hash() >> 1); });
 }

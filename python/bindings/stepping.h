@@ -1,13 +1,10 @@
 // One thread at a time. A step runs without the GIL, so that other threads of Python go on; whatever they ask
 // of the simulation meanwhile is refused, as it would read and write what the step works on. Arrays that were
 // handed out are copies and do not change. Every file that binds functions of simulations includes this one:
-// the caster at its end is the door that all of their calls go through. Signals are checked between Newton
-// iterations, so that Ctrl-C acts within one of them, and a function of Python is told how far the step has
-// come.
+// the caster at its end is the door that all of their calls go through. Between Newton iterations signals are
+// checked, so that Ctrl-C acts within one, and a function of Python is told how far the step has come.
 #pragma once
 
-#include <chrono>
-#include <exception>
 #include <map>
 
 #include <stark/sim/simulation.h>
@@ -63,43 +60,22 @@ class Watch {
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
-  void raise_again() const {
-    if (raised_) std::rethrow_exception(raised_);
-  }
+  void raise_again() const { signals_.raise_again(); }
 
  private:
-  /// Between two looks at signals [s]: to wait for the GIL takes time.
-  static constexpr double kSignalPeriod = 0.02;
-
-  /// Since the beginning [s].
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  }
   bool is_interrupted() {
-    if (must_end()) return true;
-    const double now = seconds();
-    const bool reports = !progress_.is_none() && now - reported_ >= period_;
-    if (!raised_ && (reports || now - looked_ >= kSignalPeriod)) look(reports);
-    return raised_ != nullptr;
-  }
-  void look(bool reports) {
-    const nb::gil_scoped_acquire gil;
-    try {
-      if (PyErr_CheckSignals() != 0) throw nb::python_error();
-      if (reports) progress_(LiveProgress{{sim_.progress()}, sim_.time(), seconds()});
-    } catch (...) {
-      raised_ = std::current_exception();
-    }
-    looked_ = seconds();
-    if (reports) reported_ = looked_;
+    const double now = signals_.seconds();
+    if (progress_.is_none() || now - reported_ < period_) return signals_.have_come();
+    signals_.look([&] { progress_(LiveProgress{{sim_.progress()}, sim_.time(), now}); });
+    reported_ = now;
+    return signals_.have_come();
   }
 
   Simulation& sim_;
   const nb::object progress_;  ///< the callback, or None
   const double period_;        ///< from one call of it to the next, and to the first [s]
-  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-  double looked_ = 0.0, reported_ = 0.0;  ///< when it did so last [s]
-  std::exception_ptr raised_;
+  double reported_ = 0.0;      ///< when it was called last [s]
+  Signals signals_;
 };
 
 /// Calls steps() without the GIL; nothing else may use the simulation meanwhile.
@@ -108,7 +84,6 @@ auto watched(Simulation& sim, const Steps& steps, nb::object progress = nb::none
   const Watch watch(sim, std::move(progress), period);
   const auto result = without_gil(steps);
   watch.raise_again();
-  leave_at_end();
   return result;
 }
 

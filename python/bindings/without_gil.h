@@ -35,31 +35,41 @@ auto without_gil(const Function& function) {
   return function();
 }
 
-/// Calls work(interrupted) without the GIL. It should ask interrupted() now and then, on this thread, and end
-/// once that is true: a signal has come, whose handler's exception is raised then, or the process ends.
-template <typename Function>
-auto interruptible(const Function& work) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds kPeriod(20);  // to wait for the GIL takes time
-  Clock::time_point looked = Clock::now();
-  std::exception_ptr raised;
-  const auto interrupted = [&] {
-    if (raised || must_end()) return true;
-    if (Clock::now() - looked < kPeriod) return false;
+/// What handlers of signals raise while work goes on without the GIL: to be raised again when it is over.
+class Signals {
+ public:
+  /// Whether the work should end, because one has raised or the process ends.
+  bool have_come() {
+    if (!raised_ && !must_end() && seconds() - looked_ >= kPeriod) look([] {});
+    return raised_ || must_end();
+  }
+  /// Looks now, and calls a function with the GIL, whose exception counts as well.
+  template <typename Function>
+  void look(const Function& also) {
     const nb::gil_scoped_acquire gil;
     try {
       if (PyErr_CheckSignals() != 0) throw nb::python_error();
+      also();
     } catch (...) {
-      raised = std::current_exception();
+      raised_ = std::current_exception();
     }
-    looked = Clock::now();
-    return raised != nullptr;
-  };
-  auto result = without_gil([&] { return work(interrupted); });
-  if (raised) std::rethrow_exception(raised);
-  leave_at_end();
-  return result;
-}
+    looked_ = seconds();
+  }
+  void raise_again() const {
+    if (raised_) std::rethrow_exception(raised_);
+    leave_at_end();
+  }
+  /// Since the beginning [s].
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+ private:
+  static constexpr double kPeriod = 0.02;  ///< [s], as to wait for the GIL takes time
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  double looked_ = 0.0;
+  std::exception_ptr raised_;
+};
 
 /// Lets the end of the interpreter wait for work without the GIL.
 void wait_at_exit();

@@ -142,7 +142,7 @@ class _Material(Generic[_CoreMaterial]):
     def __reduce__(self) -> tuple[Any, ...]:
         recorded = None if self._recorded is None else self._recorded[0]
         if callable(recorded):  # made of a function, which is pickled by its name
-            return _recalled, (recorded, self.name, self.source, self.to_dict())
+            return _recalled, (recorded, self.name, self.source, self._read_by_law())
         law = None if self.law is None else self.law.name
         if law is not None and law not in self._laws:
             raise TypeError(f"material with the law '{law}' cannot be pickled: the law is not built in")
@@ -156,6 +156,12 @@ class _Material(Generic[_CoreMaterial]):
         core, fields = self._changed(parameters, new_name)
         source = self.source if not parameters else ""
         return self._of(core, new_name, source, self.law, fields)._recorded_as(self._recorded)
+
+    def _read_by_law(self) -> dict[str, Any]:
+        """All parameters but those in whose place the law has its own."""
+        of_law = None if self.law is None else {row["name"] for row in self.law.parameters}
+        replaced = set() if of_law is None else set(_replaced_by_laws(type(self))) - of_law
+        return {name: value for name, value in self.to_dict().items() if name not in replaced}
 
     def _with_mass(self, mass: float, size: float, owner: str) -> Self:
         """Copy whose density gives a body of this area [m^2] or volume [m^3] the mass [kg].
@@ -202,11 +208,9 @@ class _Material(Generic[_CoreMaterial]):
         return [*super().__dir__(), *self.to_dict()]
 
     def __repr__(self) -> str:
-        shown = {name: _text(value) for name, value in self.to_dict().items()}
+        shown = {name: _text(value) for name, value in self._read_by_law().items()}
         if self.law is not None:
-            of_law = {row["name"] for row in self.law.parameters}
-            replaced = {name for name in _replaced_by_laws(type(self)) if name not in of_law}
-            shown = {"law": self.law.name} | {k: v for k, v in shown.items() if k not in replaced}
+            shown = {"law": self.law.name} | shown
         if self.name:
             shown = {"name": repr(self.name)} | shown
         return f"{type(self).__name__}({', '.join(f'{name}={text}' for name, text in shown.items())})"

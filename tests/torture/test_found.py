@@ -387,3 +387,13 @@ def test_momentum_and_energy_are_kept_and_steps_go_on(seed: int, index: int, kin
 
     outcome = run_one(seed, index, kind)
     assert (outcome.status, outcome.problems) == ("complete", [])
+
+
+def test_the_last_direction_does_not_bend_new_friction() -> None:
+    """Two plates press on a needle of 0.2 mg with 100 kN. Friction was new after the last refresh, and the
+    Hessian of before it led 8e-14 m on: nothing for the energy, 5e-4 N for the friction."""
+    pytest.importorskip("ipctk")
+    from benchmarks.torture.campaign import run_one
+
+    outcome = run_one(44, 5200, "squeezes")
+    assert (outcome.cause, outcome.problems) == ("blocked_motion", [])
