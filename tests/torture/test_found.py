@@ -377,6 +377,8 @@ def test_damped_rods_whose_frames_turn_fast_have_strains() -> None:
         # Contact that came back after a release stored 1e-11 J between bodies that pushed each other
         # elsewhere, and the certificate did not know that it may.
         (23, 4490, "joints"),
+        # What stopped within a step had the rounding of its way, 3 m, which the certificate did not allow.
+        (45, 2785, "impacts"),
     ],
 )
 @pytest.mark.filterwarnings("ignore::stark.StarkWarning")

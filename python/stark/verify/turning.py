@@ -12,6 +12,7 @@ Floats = NDArray[np.float64]
 
 _EPSILON = 2.0**-52
 _RELATIVE = 1e-9
+_ROUNDING = 1024.0
 _ADDED_INERTIA, _ROUNDS = 0.01, 6
 _LOOSE, _RIGID = 0.5, 0.9  # shares of the kinetic energy
 _FULL_TURN, _LARGEST_TURN = 0.8, 1.2  # [rad]
@@ -26,8 +27,9 @@ def wrong_velocity(
     if not moves.any():
         return 0.0
     m, (x0, x1), (v0, v1) = masses[moves], (x[moves] for x in places), (v[moves] for v in velocities)
-    reach = max(float(np.abs(x).max()) for x in (x0, x1))
-    allowed = _RELATIVE * float(np.abs(v1).max()) + 64.0 * _EPSILON * reach / h
+    # Places and the way of a body that was fast round, and what flat bodies make of it is more.
+    reach = max(float(np.abs(way).max()) for way in (x0, x1, h * v0))
+    allowed = _RELATIVE * float(np.abs(v1).max()) + _ROUNDING * _EPSILON * reach / h
     wrong = [float(np.abs(v1 - v).max()) for v in ((x1 - x0) / h, turned_velocities(m, x0, v0, x1, h))]
     return min(wrong) / max(allowed, 1e-300)
 
