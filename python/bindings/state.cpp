@@ -57,7 +57,7 @@ void bind_state(nb::module_& m) {
   property(state, "step_count", &S::step_count, "Accepted steps so far.");
   property(state, "point_positions", &S::point_position, "Points of cloth and solids (n, 3) [m].");
   property(state, "point_velocities", &S::point_velocity, "Their velocities (n, 3) [m/s].");
-  property(state, "body_positions", &S::body_position, "Rigid bodies and nodes of rods (n, 3) [m].");
+  property(state, "body_positions", &S::body_position, "Centres of mass, nodes of rods (n, 3) [m].");
   property(
       state, "hash", [](const S& s) { return to_hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.");
   def(state, "copy", [](const S& s) { return s; }, "A state of its own: the same value.");

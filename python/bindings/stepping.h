@@ -64,8 +64,9 @@ class Watch {
 
  private:
   bool is_interrupted() {
+    if (signals_.have_come()) return true;
     const double now = signals_.seconds();
-    if (progress_.is_none() || now - reported_ < period_) return signals_.have_come();
+    if (progress_.is_none() || now - reported_ < period_) return false;
     signals_.look([&] { progress_(LiveProgress{{sim_.progress()}, sim_.time(), now}); });
     reported_ = now;
     return signals_.have_come();

@@ -59,8 +59,7 @@ class Signals {
     if (raised_) std::rethrow_exception(raised_);
     leave_at_end();
   }
-  /// Since the beginning [s].
-  double seconds() const {
+  double seconds() const {  ///< since the beginning [s]
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   }
 

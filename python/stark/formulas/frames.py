@@ -84,9 +84,8 @@ class Frame:
         now, before = self.axes, self.axes_prev
         cosine = 0.5 * (sum(dot(before.column(i), now.column(i)) for i in range(3)) - 1.0)
         square = 0.5 * (1.0 - cosine)  # sin(angle / 2)^2
-        ratio: Scalar | float = (
-            1.0  # angle / sin(angle) = 1 + 2/3 square (1 + 4/5 square (1 + 6/7 square (...)))
-        )
+        # angle / sin(angle) = 1 + 2/3 square (1 + 4/5 square (1 + 6/7 square (...)))
+        ratio: Scalar | float = 1.0
         for n in range(_TERMS, 0, -1):
             ratio = 1.0 + (2 * n) / (2 * n + 1) * square * ratio
         return 0.5 * ratio * self._twice_sine()

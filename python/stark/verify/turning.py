@@ -27,9 +27,10 @@ def wrong_velocity(
     if not moves.any():
         return 0.0
     m, (x0, x1), (v0, v1) = masses[moves], (x[moves] for x in places), (v[moves] for v in velocities)
-    # Places and the way of a body that was fast round, and what flat bodies make of it is more.
-    reach = max(float(np.abs(way).max()) for way in (x0, x1, h * v0))
-    allowed = _RELATIVE * float(np.abs(v1).max()) + _ROUNDING * _EPSILON * reach / h
+    reach = max(float(np.abs(x).max()) for x in (x0, x1))
+    allowed = _RELATIVE * float(np.abs(v1).max()) + 64.0 * _EPSILON * reach / h
+    # The way of a body that was fast rounds, too, and what flat bodies make of it is more.
+    allowed += _ROUNDING * _EPSILON * float(np.abs(v0).max())
     wrong = [float(np.abs(v1 - v).max()) for v in ((x1 - x0) / h, turned_velocities(m, x0, v0, x1, h))]
     return min(wrong) / max(allowed, 1e-300)
 

@@ -31,12 +31,9 @@ Feature feature_of(const Contact& contact) {
 /// Comparing arrays calls memcmp, which takes longer than three integers do.
 bool are_same(const Feature& a, const Feature& b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
 
-/// Two integers in the order of the first, then of the second one, which is not negative.
-int64_t packed(int32_t first, int32_t second) {
-  return static_cast<int64_t>(first) << 32 | static_cast<uint32_t>(second);
-}
-Index2 unpacked(int64_t pair) {
-  return {static_cast<int32_t>(pair >> 32), static_cast<int32_t>(pair & 0xffffffff)};
+/// In the order of edges, for the same reason.
+int64_t rank(const Index2& edge) {
+  return static_cast<int64_t>(edge[0]) << 32 | static_cast<uint32_t>(edge[1]);
 }
 
 struct Term {
@@ -123,7 +120,7 @@ class PointContacts {
         continue;
       }
       for (const Index2& edge : cells_.edges(contact.key.second)) {
-        all_edges_.push_back(packed(edge[0], edge[1]));
+        all_edges_.push_back(edge);
         for (const int32_t v : edge) {
           const auto of_cell =
               std::ranges::subrange(corners_.begin() + static_cast<ptrdiff_t>(first), corners_.end());
@@ -131,13 +128,13 @@ class PointContacts {
         }
       }
     }
-    std::ranges::sort(all_edges_);
+    std::ranges::sort(all_edges_, {}, rank);
     for (size_t e = 0, end = 0; e < all_edges_.size(); e = end) {
-      while (end < all_edges_.size() && all_edges_[end] == all_edges_[e]) ++end;
+      while (end < all_edges_.size() && rank(all_edges_[end]) == rank(all_edges_[e])) ++end;
       const int32_t coefficient = 1 - static_cast<int32_t>(end - e);
       if (coefficient == 0) continue;
-      edges_.push_back({unpacked(all_edges_[e]), coefficient});
-      for (const int32_t v : edges_.back().first) corners_.push_back({v, -coefficient});
+      edges_.push_back({all_edges_[e], coefficient});
+      for (const int32_t v : all_edges_[e]) corners_.push_back({v, -coefficient});
     }
     std::ranges::sort(corners_, {}, &Corner::vertex);
     for (size_t c = 0, end = 0; c < corners_.size(); c = end) {
@@ -300,7 +297,7 @@ class PointContacts {
   std::deque<Term> terms_;          ///< the first term_count_ are used
   size_t term_count_ = 0;
   std::vector<Term*> order_, open_;  ///< those that are left; those without a name
-  std::vector<int64_t> all_edges_;   ///< one by one, packed
+  std::vector<Index2> all_edges_;    ///< one by one
   std::vector<Corner> corners_;
   std::vector<std::pair<Index2, int32_t>> edges_;      ///< with coefficients other than 0
   std::vector<std::pair<int32_t, int32_t>> vertices_;  ///< the same

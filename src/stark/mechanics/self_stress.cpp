@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include <stark/geometry/topology.h>
 
 namespace stark {
 
@@ -18,12 +19,6 @@ constexpr size_t kMostRows = 6;
 constexpr double kProbe = 1e-5;
 
 bool is_any(const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); }
-
-/// Number that stands for all blocks that are joined.
-int32_t root_of(std::vector<int32_t>& parent, int32_t block) {
-  while (parent[block] != block) block = parent[block] = parent[parent[block]];
-  return block;
-}
 
 size_t diagonal_slot(const BlockMatrix& matrix, int32_t block) {
   return 9 * static_cast<size_t>(matrix.pattern.row_start[block]);
@@ -99,20 +94,18 @@ std::vector<bool> SelfStress::in_loops(const std::vector<bool>& acts) const {
 
 std::vector<bool> SelfStress::joined_to_torn(const std::vector<bool>& acts,
                                              const std::vector<bool>& loops) const {
-  std::vector<int32_t> parent(map_.layout().block_count);
-  std::iota(parent.begin(), parent.end(), 0);
+  std::vector<Index3> links;
   for (size_t m = 0; m < members_.size(); ++m)
     if (acts[m])
       for (const int32_t block : members_[m].blocks)
-        parent[root_of(parent, block)] = root_of(parent, members_[m].blocks.front());
-  std::vector<bool> is_torn(parent.size());
+        links.push_back({members_[m].blocks.front(), block, block});
+  const int32_t count = map_.layout().block_count;
+  const std::vector<int32_t> component = find_connected_components(count, links);
+  std::vector<bool> is_torn(count), result(members_.size());
   for (size_t m = 0; m < members_.size(); ++m)
-    if (loops[m] && may_break_(members_[m].joint))
-      is_torn[root_of(parent, members_[m].blocks.front())] = true;
-  std::vector<bool> result(members_.size());
+    if (loops[m] && may_break_(members_[m].joint)) is_torn[component[members_[m].blocks.front()]] = true;
   for (size_t m = 0; m < members_.size(); ++m)
-    result[m] =
-        acts[m] && !members_[m].blocks.empty() && is_torn[root_of(parent, members_[m].blocks.front())];
+    result[m] = acts[m] && !members_[m].blocks.empty() && is_torn[component[members_[m].blocks.front()]];
   return result;
 }
 
