@@ -79,6 +79,30 @@ TEST_CASE("the layers on both sides of a point are two places") {
             .is_settled());
 }
 
+TEST_CASE("layers of a folded body have the sides that they have, whichever point names a contact") {
+  // Points 3, 4, 5 of one body lie above each other: 2 N between the lower two, 7 N between the upper two.
+  const auto of_vertices = [](int32_t upper, int32_t lower, double limit) {
+    const Contact contact{.key = {PairKind::PointTriangle, upper, 100 + lower},
+                          .group_a = 0,
+                          .group_b = 0,
+                          .sites = {upper, lower},
+                          .weights = {1.0, -1.0}};
+    return limit_of(contact, upper > lower ? kUp : kDown, limit);
+  };
+  const std::vector<FrictionLimit> before{of_vertices(4, 3, 2.0), of_vertices(5, 4, 7.0)};
+  CHECK(LimitComparison(before, {of_vertices(3, 4, 2.0), of_vertices(5, 4, 7.0)}).total().largest_change ==
+        0.0);
+  CHECK(LimitComparison(before, {of_vertices(4, 3, 2.0), of_vertices(4, 5, 7.0)}).total().largest_change ==
+        0.0);
+  CHECK(LimitComparison(before, {of_vertices(3, 4, 2.0), of_vertices(4, 5, 7.0)}).total().largest_change ==
+        0.0);
+  CHECK(LimitComparison(before, {of_vertices(4, 3, 3.0), of_vertices(4, 5, 6.0)}).total().largest_change ==
+        doctest::Approx(1.0));
+  // Half of the way, whatever the name.
+  const std::vector<FrictionLimit> now{of_vertices(3, 4, 4.0), of_vertices(4, 5, 5.0)};
+  CHECK(damped_limits(before, now) == std::vector<double>{3.0, 6.0});
+}
+
 TEST_CASE("limits settle to 0.1 % of the largest and to 1 % of those between the same bodies") {
   const auto change = [](double of_first, double of_second) {
     return LimitComparison({of_point(7, 100.0), of_point(7, 1.0, kUp, 2)},

@@ -31,14 +31,43 @@ struct Entry {
   FrictionPlace place;
   bool is_now = false;
   const FrictionLimit* limit;
+  double sign = 1.0;  ///< of its normal, seen from the place
 };
 
 using Sides = std::array<Sum, 2>;
 using VisitPlace = std::function<void(std::span<const Entry>, const Sides&)>;
 
 int side_of(const Entry& entry, const Entry& first) {
-  return dot(entry.limit->normal, first.limit->normal) >= 0.0 ? 0 : 1;
+  return entry.sign * first.sign * dot(entry.limit->normal, first.limit->normal) >= 0.0 ? 0 : 1;
 }
+
+/// The lowest names of places that have several, each with the side on which its normals are there: where two
+/// points of a body touch, what is above for one of them is below for the other.
+class LowestNames {
+ public:
+  struct Name {
+    FrictionPlace place;
+    double sign = 1.0;
+  };
+
+  Name find(const FrictionPlace& place) const {
+    Name name{place};
+    for (auto found = lower_.find(name.place); found != lower_.end(); found = lower_.find(name.place))
+      name = {found->second.place, name.sign * found->second.sign};
+    return name;
+  }
+  void join(const FrictionPlace& one, const FrictionPlace& other) {
+    const Name a = find(one), b = find(other);
+    // Two bodies have one side each, whatever the name.
+    const auto [first, second] = groups_of_code(one.bodies);
+    const double sign = (first == second ? -1.0 : 1.0) * a.sign * b.sign;
+    if (a.place != b.place) lower_[std::max(a.place, b.place)] = {std::min(a.place, b.place), sign};
+  }
+  bool empty() const { return lower_.empty(); }
+
+ private:
+  std::map<FrictionPlace, Name> lower_;
+};
 
 /// By place, those before the refresh first, in the order of the lists.
 std::vector<Entry> sorted_entries(const std::vector<FrictionLimit>& before,
@@ -50,20 +79,15 @@ std::vector<Entry> sorted_entries(const std::vector<FrictionLimit>& before,
   // Without the memory that stable sorts take.
   const auto by_place = [](const Entry& e) { return std::tuple(e.place, e.is_now, e.limit); };
   std::ranges::sort(entries, {}, by_place);
-  // Places with two names get the lower one of both.
-  std::map<FrictionPlace, FrictionPlace> lower;
-  const auto lowest = [&](FrictionPlace place) {
-    for (auto found = lower.find(place); found != lower.end(); found = lower.find(place))
-      place = found->second;
-    return place;
-  };
-  for (const Entry& entry : entries) {
-    if (!entry.limit->other) continue;
-    const FrictionPlace a = lowest(entry.place), b = lowest(*entry.limit->other);
-    if (a != b) lower.emplace(std::max(a, b), std::min(a, b));
+  LowestNames names;
+  for (const Entry& entry : entries)
+    if (entry.limit->other) names.join(entry.place, *entry.limit->other);
+  if (names.empty()) return entries;
+  for (Entry& entry : entries) {
+    const LowestNames::Name name = names.find(entry.place);
+    entry.place = name.place;
+    entry.sign = name.sign;
   }
-  if (lower.empty()) return entries;
-  for (Entry& entry : entries) entry.place = lowest(entry.place);
   std::ranges::sort(entries, {}, by_place);
   return entries;
 }
