@@ -85,8 +85,7 @@ class _Material(Generic[_CoreMaterial]):
         )
 
     def _assign(self, core: _CoreMaterial, name: str, source: str, law: Any, fields: _Fields) -> None:
-        values = (core, fields, None, law, name, source)
-        for slot, value in zip(_Material.__slots__, values, strict=True):
+        for slot, value in zip(_Material.__slots__, (core, fields, None, law, name, source), strict=True):
             object.__setattr__(self, slot, value)
 
     def _recorded_as(self, recorded: Any) -> Self:
@@ -128,6 +127,9 @@ class _Material(Generic[_CoreMaterial]):
         if name in self._fields:
             value = self._fields[name]
             return value if value.ndim else float(value)
+        if name in self._replaced():
+            instead = _instead([row["name"] for row in self.law.parameters])
+            raise AttributeError(f"material of the law '{self.law.name}' has no {name}: the law {instead}")
         try:
             return self._core.get(name)
         except InvalidArgument as error:
@@ -142,11 +144,11 @@ class _Material(Generic[_CoreMaterial]):
     def __reduce__(self) -> tuple[Any, ...]:
         recorded = None if self._recorded is None else self._recorded[0]
         if callable(recorded):  # made of a function, which is pickled by its name
-            return _recalled, (recorded, self.name, self.source, self._read_by_law())
+            return _recalled, (recorded, self.name, self.source, self.to_dict())
         law = None if self.law is None else self.law.name
         if law is not None and law not in self._laws:
             raise TypeError(f"material with the law '{law}' cannot be pickled: the law is not built in")
-        return _rebuild, (type(self), self.name, self.source, law, self.to_dict())
+        return _rebuild, (type(self), self.name, self.source, law, self._all_values())
 
     def replace(self, *, name: str | None = None, **parameters: ArrayLike) -> Self:
         """Copy with some parameters changed, each a number or an array with a value for each element; ranges
@@ -157,11 +159,14 @@ class _Material(Generic[_CoreMaterial]):
         source = self.source if not parameters else ""
         return self._of(core, new_name, source, self.law, fields)._recorded_as(self._recorded)
 
-    def _read_by_law(self) -> dict[str, Any]:
-        """All parameters but those in whose place the law has its own."""
+    def _replaced(self) -> set[str]:
+        """Parameters in whose place the law has its own."""
         of_law = None if self.law is None else {row["name"] for row in self.law.parameters}
-        replaced = set() if of_law is None else set(_replaced_by_laws(type(self))) - of_law
-        return {name: value for name, value in self.to_dict().items() if name not in replaced}
+        return set() if of_law is None else set(_replaced_by_laws(type(self))) - of_law
+
+    def _all_values(self) -> dict[str, Any]:
+        """Of all parameters that the core has, whether the law reads them or not."""
+        return self._core.to_dict() | {name: getattr(self, name) for name in self._fields}
 
     def _with_mass(self, mass: float, size: float, owner: str) -> Self:
         """Copy whose density gives a body of this area [m^2] or volume [m^3] the mass [kg].
@@ -179,8 +184,8 @@ class _Material(Generic[_CoreMaterial]):
         return self.replace(density=float(mass) / size)
 
     def to_dict(self) -> dict[str, Any]:
-        """All parameters by name, in SI units; arrays where each element has its own value."""
-        return self._core.to_dict() | {name: getattr(self, name) for name in self._fields}
+        """All parameters that it has with its law, by name in SI units; arrays where elements differ."""
+        return {name: value for name, value in self._all_values().items() if name not in self._replaced()}
 
     @classmethod
     def parameters(cls) -> list[dict[str, Any]]:
@@ -208,7 +213,7 @@ class _Material(Generic[_CoreMaterial]):
         return [*super().__dir__(), *self.to_dict()]
 
     def __repr__(self) -> str:
-        shown = {name: _text(value) for name, value in self._read_by_law().items()}
+        shown = {name: _text(value) for name, value in self.to_dict().items()}
         if self.law is not None:
             shown = {"law": self.law.name} | shown
         if self.name:
@@ -232,11 +237,14 @@ def refuse_replaced(
     """A parameter that would change nothing, beside a law that does not have it."""
     for name in _replaced_by_laws(kind):
         if name in given and name not in of_law:
-            instead = f"has {', '.join(of_law)} instead; change these" if of_law else "has no parameters"
             raise InvalidArgument(
                 f"{owner}: {name} = {given[name]!r}: must be left out, as its law '{law}' does not depend on "
-                f"it; the law {instead}"
+                f"it; the law {_instead(of_law)}" + ("; change these" if of_law else "")
             )
+
+
+def _instead(of_law: Sequence[str]) -> str:
+    return f"has {', '.join(of_law)} instead" if of_law else "has no parameters"
 
 
 def _refuse_number_in_quotes(value: Any, what: str) -> None:
@@ -424,7 +432,6 @@ orthotropic_cloth: Callable[..., ShellMaterial] = _material_of(ShellMaterial, sh
 
 _shells = {name: ShellMaterial._of(core, name, source) for name, source, core in _core.shell_presets()}
 _solids = {name: SolidMaterial._of(core, name, source) for name, source, core in _core.solid_presets()}
-
 _rods = {name: RodMaterial._of(core, name, source) for name, source, core in _core.rod_presets()}
 
 

@@ -157,6 +157,13 @@ def test_parameters_that_a_law_does_not_have_are_refused() -> None:
         own(youngs_modulus=1.0)
     assert own(mu=2.0, base=stark.materials.soft_rubber).replace(mu=3.0, density=5.0).mu == 3.0
     assert pickle.loads(pickle.dumps(rubber)) == rubber
+    for stuff, read in ((rubber, "c10, c01, bulk_modulus"), (own(mu=2.0), "mu")):
+        assert not {"youngs_modulus", "poissons_ratio"} & {*stuff.to_dict(), *dir(stuff)}
+        with pytest.raises(
+            AttributeError, match=f"'{stuff.law.name}' has no youngs_modulus.* has {read} inst"
+        ):
+            stuff.youngs_modulus  # noqa: B018
+    assert stark.materials.neo_hookean(youngs_modulus=3e3).to_dict()["youngs_modulus"] == 3e3
     cord = stark.generalized_maxwell_rod(stark.materials.rubber_cord, moduli=[1e6], times=[0.5])
     assert cord.replace(youngs_modulus=1e5).youngs_modulus == 1e5  # for its shear stiffness
 

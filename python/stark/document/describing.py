@@ -195,7 +195,7 @@ def _material(material: Any, formulas: Formulas) -> dict[str, Any]:
         "name": material.name,
         "source": material.source,
         "law": law,
-        "values": material.to_dict(),
+        "values": material._all_values(),
     }
 
 

@@ -54,6 +54,10 @@ class EnergyFormula(RecordedEnergy):
         binding = args[0] if len(args) == 1 and isinstance(args[0], Binding) else self(*args, **kwargs)
         return benchmark(binding)
 
+    def __reduce__(self) -> str:
+        # Pickled by name, as functions are.
+        return self.__qualname__
+
     def __repr__(self) -> str:
         return f"<stark.energy {self.name}{self.__signature__}>"
 

@@ -404,9 +404,8 @@ class Actuator(Handle):
 
     @property
     def effort(self) -> float:
-        """Force [N] or torque [N m] along its coordinate in the last step, positive where it raises the
-        coordinate. It acts on side b of the joint, its opposite on side a. Of a gear: along the first
-        coordinate."""
+        """Force [N] or torque [N m] along its coordinate in the last step, of a gear the first one, positive
+        where it raises the coordinate. It acts on side b of the joint, its opposite on side a."""
         return float(self._require_simulation("effort")._core.actuator_effort(self._index))
 
     @property
@@ -445,6 +444,7 @@ class Actuator(Handle):
             object.__setattr__(self, name, value)
         elif name in self._units:
             number = real_number(at_start(value, f"{self._title}: {name}"), self._labelled(name))
+            warn_of_degrees(f"{self._title}: {name}", value if self._units[name] == "rad" else None)
             if not callable(value) or self._simulation() is None:
                 self._core().set_actuator_value(self._index, name, number)
             set_courses("actuator", self, {name: value})

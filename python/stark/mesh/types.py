@@ -48,10 +48,18 @@ class MeshBase(AnsweredAttributes):
         return f"{type(self).__name__} has no attribute '{name}'{hint}"
 
     def __setattr__(self, name: str, value: object) -> None:
+        if isinstance(value, np.ndarray) and getattr(self, name, None) is value:
+            return  # the end of `mesh.vertices += offset`, which has written into the array
         raise AttributeError(f"{type(self).__name__} is immutable: make a new one instead of setting {name}")
 
     def _with(self, vertices: Points) -> Self:
         raise NotImplementedError
+
+    def _require_vertices(self) -> None:
+        """InvalidMesh for an index that is that of no vertex: no program could read such a file."""
+        for name, array in self.__dict__.items():
+            if name in ("triangles", "tets", "elements"):
+                corners_of(self.vertices, array, f"{type(self).__name__}: {name}")
 
     def _kept(self) -> Self:
         """Copy for a body: whoever writes into the arrays of this mesh does not change that one."""
@@ -90,6 +98,7 @@ class MeshBase(AnsweredAttributes):
         file = given_path(path, "save: path")
         if file.suffix != ".npz":
             raise InvalidArgument(f"save: path = '{path}': must end in .npz")
+        self._require_vertices()
         write_atomically(file, lambda stream: np.savez_compressed(stream, **self.__dict__))
 
     def centered(self) -> Self:
@@ -117,6 +126,7 @@ class TriangleMesh(MeshBase):
         if writer is None:
             super().save(file)
             return
+        self._require_vertices()
         data = writer(self.vertices, self.triangles, file)
         write_atomically(file, lambda stream: stream.write(data))
 

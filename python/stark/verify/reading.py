@@ -332,8 +332,9 @@ def read(folder: Path, progress: Callable[[float, str], None] = lambda done, tex
         run.times = np.concatenate([np.zeros(0), *times])
         run.placed = np.concatenate([np.zeros(0, dtype=bool), *placed])
         count = _count(states, "count", folder, "states.")
+        need(count > 0, f"'{folder}' has no states: call recorder.record_state(sim) after each step")
         need(
-            len(run.times) == count and count > 0,
+            len(run.times) == count,
             f"'{folder}' holds {len(run.times)} states, its manifest says {count}",
         )
     run.frame_count = _count(manifest, "frame_count", folder)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import subprocess
 import sys
 import time
@@ -21,6 +22,18 @@ H = 1.0 / 100.0
 def magnet(p: stark.Point, center: stark.Vec3, strength: float = stark.parameter(1e-3, unit="J m", min=0.0)):
     """Attraction towards a moving centre."""
     return -strength / stark.norm(p.x - center)
+
+
+def test_energies_are_pickled_by_name() -> None:
+    """As functions are: what another process gets finds them in their module."""
+    assert pickle.loads(pickle.dumps(magnet)) is magnet
+
+    @stark.energy
+    def inner(p: stark.Point) -> stark.symbolic.Real:
+        return p.x[2]
+
+    with pytest.raises((pickle.PicklingError, AttributeError), match="inner"):
+        pickle.dumps(inner)
 
 
 def test_forces_of_a_magnet_are_those_of_the_closed_form() -> None:

@@ -161,8 +161,12 @@ def test_servo_targets_of_many_whole_turns_are_taken_for_degrees() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         hinge.add_servo(90.0, **gains)
-        hinge.add_servo(25, **gains)
-        both.add_servo(90, coordinate="displacement", **gains)
+        servo = hinge.add_servo(25, **gains)
+        along = both.add_servo(90, coordinate="displacement", **gains)
+        along.target = 90
+    with pytest.warns(stark.StarkWarning, match=r"'position_servo_4': target = 90 rad is 14.3") as told:
+        servo.target = 90  # in the loop, too
+    assert told[0].filename == __file__ and servo.target == 90.0
 
 
 def test_angles_of_many_whole_turns_are_taken_for_degrees() -> None:

@@ -52,6 +52,15 @@ def test_what_cannot_be_written_is_refused(tmp_path: Path) -> None:
         surface.save(tmp_path / "ball.vtk")
     with pytest.raises(stark.InvalidArgument, match=r"1e\+39 m: must be below 3\.4e38 in STL"):
         surface.scaled(1e40).save(tmp_path / "ball.stl")
+    for wrong in (-1, 3):  # which readers would refuse, or take for the last vertex
+        for ending in (*WRITERS, ".npz"):
+            with pytest.raises(
+                stark.InvalidMesh, match=rf"TriangleMesh: triangles: .* vertex {wrong}: must be"
+            ):
+                mesh.TriangleMesh(np.eye(3), [[0, 1, wrong]]).save(tmp_path / f"wrong{ending}")
+    with pytest.raises(stark.InvalidMesh, match=r"SolidMesh: elements: .* vertex 8: must be in \[0, 8\)"):
+        cube = mesh.box_hexahedra(1.0, 1)
+        mesh.SolidMesh(cube.vertices, np.where(cube.elements == 7, 8, cube.elements)).save(tmp_path / "a.npz")
     with pytest.raises(OSError, match="nowhere"):
         surface.save(tmp_path / "nowhere" / "ball.obj")
     assert not list(tmp_path.iterdir())

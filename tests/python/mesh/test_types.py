@@ -69,3 +69,20 @@ def test_arrays_that_are_given_are_copied() -> None:
     corners[:] = 7
     assert [frame.vertices[0, 2] for frame in frames] == [0.0, 0.5, 1.0]
     assert frames[0].triangles.tolist() == [[0, 1, 3]]
+
+
+def test_arrays_change_in_place_also_by_augmented_assignment() -> None:
+    """`mesh.vertices += x` writes into the array, as `mesh.vertices[:] += x` does."""
+    sheet, lump = mesh.grid(0.1, 0.1, 1), mesh.tet_box(0.1, 1)
+    before = sheet.vertices.copy()
+    offset = np.array([0.0, 0.0, 0.5])
+    sheet.vertices += offset
+    np.testing.assert_array_equal(sheet.vertices, before + offset)
+    lump.elements += 0
+    for name in ("vertices", "triangles", "bounds", "new"):
+        with pytest.raises(AttributeError, match=f"TriangleMesh is immutable: .* instead of setting {name}"):
+            setattr(sheet, name, before)
+    cloth = stark.Scene().add_cloth(sheet)
+    with pytest.raises(ValueError, match="read-only"):
+        cloth.mesh.vertices += 1.0
+    np.testing.assert_array_equal(cloth.mesh.vertices, sheet.vertices)

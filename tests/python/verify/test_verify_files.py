@@ -112,3 +112,11 @@ def test_an_old_certificate_goes_with_its_recording(run: Path) -> None:
     stark.recording.Recorder(run, sim).close()
     assert not (run / "certificate.json").exists()
     assert not (run / "states").exists()
+
+
+def test_a_recording_without_states_says_what_makes_them(tmp_path: Path) -> None:
+    sim = stark.Simulation(sheet_on_box())
+    with stark.recording.Recorder(tmp_path / "run", sim, certify=True) as recorder:
+        recorder.record(sim)
+    with pytest.raises(UnreadableRecording, match=r"has no states: call recorder\.record_state\(sim\)"):
+        verify(tmp_path / "run")
