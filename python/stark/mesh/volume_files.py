@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stark import _core
 from stark._core import InvalidMesh
+from stark.mesh.abaqus_files import cells_of, name_parts, sections_of
 from stark.mesh.arguments import Indices
 from stark.mesh.repair import oriented
 from stark.mesh.types import SolidMesh, TetMesh, TriangleMesh
@@ -125,11 +126,12 @@ def _read(file: Path) -> Any:
         import meshio
     except ImportError as error:
         raise ImportError(f"'{file}': this format needs meshio: pip install 'stark-sim[mesh]'") from error
+    sections = sections_of(file) if file.suffix.lower() == ".inp" and file.is_file() else []
     said = io.StringIO()
     try:
         # It prints why a file cannot be read, and then ends the process.
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            return meshio.read(file)
+            read = meshio.read(cells_of(sections), "abaqus") if sections else meshio.read(file)
     except ImportError as error:
         raise ImportError(f"'{file}': {error}; install it") from error
     except (Exception, SystemExit) as error:
@@ -137,6 +139,9 @@ def _read(file: Path) -> Any:
         if not isinstance(error, (SystemExit, meshio.ReadError)) or not why:
             why = "meshio finds no mesh in it" + (f" ({error})" if isinstance(error, ValueError) else "")
         raise InvalidMesh(f"'{file}' cannot be read: {why}") from None
+    if sections:
+        name_parts(read, sections, file)
+    return read
 
 
 def _cells(read: Any, file: Path) -> _Cells:
