@@ -50,6 +50,10 @@ TEST_CASE("each mistake of units is named with the object, the value and the uni
         std::string::npos);
   CHECK(all(check_units(cube_scene(0.1, in_grams), {})).find("density = 1.1 kg/m^3") != std::string::npos);
   CHECK(all(check_units(cube_scene(0.1, steel_in_gigapascal), {})).find("flattens") != std::string::npos);
+  SolidMaterial in_percent = rubber;
+  in_percent.strain_limit = 10.0;
+  CHECK(all(check_units(cube_scene(0.1, in_percent), {})).find("strain_limit = 10 (ordinary") !=
+        std::string::npos);
   Settings thick;
   thick.contact.distance = 1e-3;
   CHECK(all(check_units(cube_scene(0.004, rubber), thick)).find("contact_distance below 4e-05 m") !=
@@ -58,8 +62,12 @@ TEST_CASE("each mistake of units is named with the object, the value and the uni
   Scene scene;
   ShellMaterial cloth = materials::cotton();
   cloth.density = 150.0;
+  cloth.strain_limit = 5.0;
   scene.add_cloth({.name = "towel", .mesh = make_grid(0.5, 0.5, 4, 4), .material = cloth});
-  CHECK(all(check_units(scene, {})).find("cloth 'towel': density = 150 kg/m^2") != std::string::npos);
+  const std::string of_towel = all(check_units(scene, {}));
+  CHECK(of_towel.find("cloth 'towel': density = 150 kg/m^2") != std::string::npos);
+  CHECK(of_towel.find("cloth 'towel': strain_limit = 5 (ordinary: 1e-06 to 4); it is a ratio: 0.1 is a "
+                      "strain of 10 %") != std::string::npos);
 
   Settings settings;
   settings.gravity = {0, 0, -9810.0};

@@ -53,6 +53,7 @@ struct MaterialScale {
   double youngs_modulus = std::numeric_limits<double>::infinity();  ///< [Pa] the smallest; infinity: unknown
   double thickness = 0.0;                                           ///< [m] of sheets
   double rigidity_ratio = 0.0;  ///< flexural rigidity over that of a homogeneous sheet; 0: unknown
+  double strain_limit = std::numeric_limits<double>::infinity();  ///< of its first element; infinity: none
 };
 
 struct BodyKindRow {

@@ -17,6 +17,8 @@ struct Range {
 /// From light foams to osmium [kg/m^3]; from films of 0.1 um to plates of a metre [kg/m^2]; from weak gels to
 /// diamond [Pa].
 constexpr Range kVolumeDensity{5.0, 30e3}, kAreaDensity{1e-4, 1e4}, kModulus{10.0, 2e12};
+/// Green strains at which materials stiffen, up to three times their length.
+constexpr Range kStrainLimit{1e-6, 4.0};
 /// Mass of a sheet over its area and thickness: none is lighter than air [kg/m^3]. Sheets of a tenth of their
 /// extent are light foams, but those of 1 m, whose modulus is meant to be one of the surface [N/m].
 constexpr Range kSheetDensity{1.0, 30e3};
@@ -97,6 +99,9 @@ void check_material(const Scene& scene, BodyId body, const Vec3& size, const Vec
     check_sheet(owner, material, size, out);
   else
     out.check(owner, "density", material.density, "kg/m^3", kVolumeDensity, "1 g/cm^3 is 1000 kg/m^3");
+  if (std::isfinite(material.strain_limit))
+    out.check(owner, "strain_limit", material.strain_limit, "", kStrainLimit,
+              "it is a ratio: 0.1 is a strain of 10 %");
   if (!std::isfinite(modulus)) return;
   out.check(owner, "youngs_modulus", modulus, "Pa", kModulus, "1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
   const double weight = material.density * std::fabs(dot(gravity, size));

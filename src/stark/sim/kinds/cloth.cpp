@@ -35,7 +35,8 @@ MaterialScale material_scale(const Scene& scene, BodyId body) {
   const ShellMaterial& m = cloth.material;
   MaterialScale scale{.density = element_density(cloth, 0),
                       .is_area_density = true,
-                      .thickness = value("thickness", m.thickness)};
+                      .thickness = value("thickness", m.thickness),
+                      .strain_limit = value("strain_limit", m.strain_limit)};
   const double t = scale.thickness, nu = value("poissons_ratio", m.poissons_ratio);
   if (!cloth.law)
     scale.rigidity_ratio = 12.0 * (1.0 - nu * nu) * value("flexural_rigidity", m.flexural_rigidity) /

@@ -29,7 +29,11 @@ BodyElements elements(const Scene& scene, BodyId body) {
 
 MaterialScale material_scale(const Scene& scene, BodyId body) {
   const SolidDescription& solid = scene.solid(body);
-  return {.density = element_density(solid, 0), .youngs_modulus = smallest_modulus(elastic_energy(solid))};
+  const auto limits = solid.fields.find("strain_limit");
+  const bool is_one = limits == solid.fields.end() || limits->second.values.empty();
+  return {.density = element_density(solid, 0),
+          .youngs_modulus = smallest_modulus(elastic_energy(solid)),
+          .strain_limit = is_one ? solid.material.strain_limit : limits->second.values.front()};
 }
 
 }  // namespace
