@@ -77,6 +77,13 @@ class Follower(Protocol):
 _SAID, _SIZE = ": the mesh has an extent of ", ": extent of the mesh = "
 
 
+class Waiting:
+    """Something that was made for a scene, and does nothing before it is added."""
+
+    def __init__(self, what: str) -> None:
+        self.what = what
+
+
 class SceneLink:
     """What handles know of their scene, and what it knows of its simulations."""
 
@@ -88,6 +95,7 @@ class SceneLink:
     _courses: dict[tuple[str, int, str], Any]  # values over time (stark.courses), by what they are of
     _simulations: list[weakref.ref[SimulationLink]]  # in the order in which they were made
     _simulated_bodies: int  # that some simulation had
+    _not_added: dict[Waiting, None]  # in the order in which they were made
     _warned: int  # warnings of the core that were passed on
     _changes: int  # of pairs of bodies that were simulated already
     _last_change: str
@@ -95,7 +103,7 @@ class SceneLink:
 
     def _begin_simulations(self) -> None:
         self._simulations, self._simulated_bodies, self._warned = [], 0, 0
-        self._changes, self._last_change = 0, ""
+        self._changes, self._last_change, self._not_added = 0, "", {}
 
     def _is_simulated_by(self, simulation: SimulationLink) -> None:
         """Handles of the scene read the newest simulation that is alive. Weak, or a scene would keep all of
@@ -158,6 +166,15 @@ class SceneLink:
             yield
         finally:
             self._adds_a_whole = before
+
+    def _unused_warnings(self) -> list[str]:
+        """Of what was made for the scene and not added to it, each once."""
+        waiting, self._not_added = self._not_added, {}
+        return [
+            f"energy {each.what} was bound and not added to the scene, so it does nothing here: write "
+            f"scene.add(...) around it before stark.Simulation(scene)"
+            for each in waiting
+        ]
 
     def _unit_warnings(self, settings: Any) -> list[str]:
         """Values that are probably in other units. What was said of the size of a mesh when it was added is

@@ -18,6 +18,7 @@ from stark.attributes import AnsweredAttributes
 from stark.bodies.body import Body
 from stark.bodies.friction import FrictionTable
 from stark.bodies.layers import Layer
+from stark.bodies.locking import thin_warnings
 from stark.bodies.restitution import RestitutionTable
 from stark.bodies.scene_bodies import SceneBodies
 from stark.joints.scene_joints import SceneJoints
@@ -189,6 +190,15 @@ class Scene(
     def energies(self) -> NamedTuple[Energy]:
         """Energies that were added, in the order of adding."""
         return NamedTuple("energy", self._energies)
+
+    def _start_warnings(self, settings: Settings) -> list[str]:
+        """What is probably not meant, of a scene that is simulated with these settings."""
+        return [
+            *self._core.check_contact_distances(settings._core),
+            *self._unit_warnings(settings),
+            *self._unused_warnings(),
+            *thin_warnings(self._bodies, self._energies, self._attachments),
+        ]
 
     # --- files ---
 

@@ -122,10 +122,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
                 f"add one with scene.add_cloth, add_solid or add_rigid"
             )
         self._scene = scene
-        for message in [
-            *scene._core.check_contact_distances(self._settings._core),
-            *scene._unit_warnings(self._settings),
-        ]:
+        for message in scene._start_warnings(self._settings):
             warnings.warn(message, StarkWarning, stacklevel=2)
         self._core = _core.Simulation(scene._core, self._settings._core)
         for message in self._core.check_state():

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 #: Elements that lock, by their nodes, and the ratio from which on it is said: there slender beams of
 #: them bend by half of what they should, and less (docs/solids.md).
-_LINEAR = {4: "linear tetrahedra", 8: "hexahedra of 8 nodes as they are"}
+LINEAR = {4: "linear tetrahedra", 8: "hexahedra of 8 nodes"}
 _LOCKING_RATIO = 0.48
 
 
@@ -56,17 +56,23 @@ class Solid(LayeredBody):
         volumes; empty for others."""
         nodes = self._element_nodes()
         ratio = float(np.max(getattr(self.material, "poissons_ratio", 0.0)))
-        if nodes not in _LINEAR or ratio < _LOCKING_RATIO:
+        if nodes not in LINEAR or ratio < _LOCKING_RATIO:
             return ""
         remedy = "write stark.mesh.to_quadratic(mesh)" if nodes == 4 else 'pass formulation="mean_dilatation"'
         return (
-            f"Poisson's ratio {ratio:.6g} with {_LINEAR[nodes]}: elements lock from {_LOCKING_RATIO} on, so "
-            f"that it is too stiff, even with a fine mesh (docs/solids.md); {remedy}, or take a smaller ratio"
+            f"Poisson's ratio {ratio:.6g} with {LINEAR[nodes]} as they are: elements lock from "
+            f"{_LOCKING_RATIO} on, so that it is too stiff, even with a fine mesh (docs/solids.md); "
+            f"{remedy}, or take a smaller ratio"
         )
 
     def _element_nodes(self) -> int:
+        return int(self._all_elements().shape[1])
+
+    def _all_elements(self) -> Indices:
+        """Those of any number of nodes."""
         mesh: Any = self._mesh
-        return int((mesh.tets if isinstance(mesh, TetMesh) else mesh.elements).shape[1])
+        found: Indices = mesh.tets if isinstance(mesh, TetMesh) else mesh.elements
+        return found
 
     @property
     def tetrahedra(self) -> Stencils:
@@ -74,8 +80,7 @@ class Solid(LayeredBody):
         return self._stencils(self._elements, "tetrahedra")
 
     def _elements(self) -> Indices:
-        mesh = self._mesh
-        elements = mesh.tets if isinstance(mesh, TetMesh) else mesh.elements  # type: ignore[union-attr]
+        elements = self._all_elements()
         if elements.shape[1] != 4:
             raise InvalidArgument(
                 f"'{self.name}': its elements have {elements.shape[1]} nodes: must be tetrahedra of 4; "
@@ -103,8 +108,7 @@ class Solid(LayeredBody):
         return ((), (3, 3)) if name == "growth" else super()._rest_shapes(name)
 
     def _element_count(self) -> int:
-        mesh = self._mesh
-        return len(mesh.tets if isinstance(mesh, TetMesh) else mesh.elements)  # type: ignore[union-attr]
+        return len(self._all_elements())
 
     @property
     def triangles(self) -> Indices:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
 
 from stark._core import InvalidArgument
 from stark.arguments import given_name
+from stark.errors import StarkWarning
 from stark.formulas.binding import counted
 from stark.formulas.diagnosis import culprit
 from stark.formulas.energy import Binding, EnergyFormula
 from stark.formulas.handle import Energy
 from stark.formulas.inspection import sample_inputs, stacked
+from stark.formulas.numbering import dependence, numbering_text
 from stark.handle import SceneLink
 from stark.selections import Points
 
@@ -32,6 +35,7 @@ def add_energy(scene: SceneLink, binding: Any, name: str | None) -> Energy:
             f"scene.add: got {binding!r}: must be an energy on points, made by a function with "
             f"@stark.energy; bodies are added by add_cloth, add_solid and add_rigid"
         )
+    binding._is_used()
     for body in binding.bodies:
         if body._scene is not scene:
             raise InvalidArgument(
@@ -41,6 +45,8 @@ def add_energy(scene: SceneLink, binding: Any, name: str | None) -> Energy:
     _require_moving(scene, binding)
     binding = binding.copy()
     check_start(binding)
+    if label := dependence(binding)[0]:
+        warnings.warn(f"energy '{binding.name}': {numbering_text(label)}", StarkWarning, stacklevel=3)
     index = scene._core.add_energy(
         {
             "name": given_name(name),

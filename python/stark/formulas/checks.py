@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stark._core import symbolic as core_symbolic
 from stark.formulas.binding import BoundEnergy
 from stark.formulas.inspection import sample_inputs, stacked
+from stark.formulas.numbering import dependence, numbering_text
 from stark.rotations import rotation
 
 _MOST_ELEMENTS = 512
@@ -171,6 +172,7 @@ def _of_elements(elements: Elements, rng: np.random.Generator) -> list[Finding]:
         _rotation(elements, energy, rng),
         _definiteness(hessian),
         _rest(elements, energy, gradient),
+        *_numbering(elements),
     ]
 
 
@@ -358,6 +360,11 @@ def _rotation(elements: Elements, energy: np.ndarray, rng: np.random.Generator) 
         f"places of the world; an elastic energy must not, it would resist rigid rotation"
     )
     return Finding("rotation", "note", text, value)
+
+
+def _numbering(elements: Elements) -> list[Finding]:
+    label, value = dependence(elements.binding)
+    return [Finding("numbering", "wrong", numbering_text(label), value)] if label else []
 
 
 def _definiteness(hessian: np.ndarray) -> Finding:

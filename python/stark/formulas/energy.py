@@ -24,6 +24,7 @@ from stark.formulas.handle import RESERVED
 from stark.formulas.inspection import benchmark
 from stark.formulas.internal import refuse_internal
 from stark.formulas.kinematics import Point, Stencil
+from stark.handle import Waiting
 from stark.overloads import overload
 from stark.symbolic.tensor import Scalar, Tensor
 
@@ -45,18 +46,21 @@ class EnergyFormula(RecordedEnergy):
     def check(self, *args: Any, **kwargs: Any) -> Any:
         """Tests the formula on points and values, given as in a call: derivatives against finite differences,
         invariance, definiteness, finite values near the start. Returns a report; print it."""
-        binding = args[0] if len(args) == 1 and isinstance(args[0], Binding) else self(*args, **kwargs)
-        return check(binding)
+        return self._bound(args, kwargs).check()
 
     def benchmark(self, *args: Any, **kwargs: Any) -> dict[str, float]:
         """Nanoseconds per element for "value", "gradient" and "hessian" on one thread, measured on the points
         and values given as in a call."""
-        binding = args[0] if len(args) == 1 and isinstance(args[0], Binding) else self(*args, **kwargs)
-        return benchmark(binding)
+        return self._bound(args, kwargs).benchmark()
+
+    def _bound(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Binding:
+        bound: Binding = args[0] if len(args) == 1 and isinstance(args[0], Binding) else self(*args, **kwargs)
+        return bound
 
     def __reduce__(self) -> str:
         # Pickled by name, as functions are.
-        return self.__qualname__
+        name: str = self.function.__qualname__
+        return name
 
     def __repr__(self) -> str:
         return f"<stark.energy {self.name}{self.__signature__}>"
@@ -68,9 +72,24 @@ _ATTRIBUTES = frozenset({"energy", "frames", "constants", "element_count", "trac
 class Binding(BoundEnergy):
     """An energy on points with values, to be added to a scene."""
 
+    _waiting: Waiting | None = None
+    """What its scenes know it by while it waits to be added; None of energies of files."""
+
+    def __init__(self, energy: RecordedEnergy, given: dict[str, Any]) -> None:
+        super().__init__(energy, given)
+        waiting = self._waiting = Waiting(f"{self.name} on {counted(self.element_count, 'element')}")
+        for body in self.bodies:
+            body._scene._not_added[waiting] = None
+
+    def _is_used(self) -> None:
+        """Scenes need not warn any more that it was not added to them."""
+        if self._waiting is not None:
+            for body in self.bodies:
+                body._scene._not_added.pop(self._waiting, None)
+
     def __setattr__(self, name: str, value: Any) -> None:
         # `pull = magnet(...); pull.center = ...` without scene.add would do nothing.
-        if name not in _ATTRIBUTES:
+        if name not in _ATTRIBUTES and not name.startswith("_"):
             raise AttributeError(self._not_added(name))
         super().__setattr__(name, value)
 
@@ -85,10 +104,12 @@ class Binding(BoundEnergy):
 
     def check(self) -> Any:
         """As ``EnergyFormula.check``."""
+        self._is_used()
         return check(self)
 
     def benchmark(self) -> dict[str, float]:
         """As ``EnergyFormula.benchmark``."""
+        self._is_used()
         return benchmark(self)
 
     def __repr__(self) -> str:

@@ -25,6 +25,7 @@ class Inputs:
         self.clocks: dict[str, int] = {}  # argument -> node
         self._labels: dict[str, list[int]] = {}  # argument -> nodes of its columns
         self.sources: dict[int, tuple[str, int, int]] = {}  # input -> quantity, point, component
+        self.local_axes: set[str] = set()  # triangles whose strain was taken along their own first edge
         self._place = {point: place for place, point in enumerate(kept)}
 
     def position(self, point: int, kind: str, label: str) -> Vec:
@@ -200,13 +201,23 @@ class Triangle(Stencil):
 
     @property
     def F(self) -> Mat:
-        """Deformation gradient 3x2; the first material axis is along the first edge of the rest triangle."""
+        """Deformation gradient 3x2. The first material axis is along the first edge of each rest triangle, so
+        it is for measures that are the same in all directions; for others see ``F_along``."""
         return self._gradient("x")
 
     @property
     def F_prev(self) -> Mat:
         """Deformation gradient at the start of the time step."""
         return self._gradient("x_prev")
+
+    def F_along(self, direction: Vec) -> Mat:
+        """Deformation gradient 3x2 whose first material axis is along a direction, as far as it lies in the
+        triangle: a Vec3 in the frame of the rest mesh, which must not be normal to the triangle."""
+        return self._gradient("x", direction)
+
+    def F_prev_along(self, direction: Vec) -> Mat:
+        """The same at the start of the time step."""
+        return self._gradient("x_prev", direction)
 
     @property
     def metric(self) -> Mat:
@@ -253,11 +264,14 @@ class Triangle(Stencil):
         normal: Vec = cross(b - a, c - a)
         return normal
 
-    def _gradient(self, kind: str) -> Mat:
+    def _gradient(self, kind: str, direction: Vec | None = None) -> Mat:
         rest = _edges(self._rest_positions())
         first, second = rest.column(0), rest.column(1)
         normal = normalized(cross(first, second))
-        warp = normalized(first - dot(first, normal) * normal)
+        if direction is None:
+            self.points[0]._inputs.local_axes.add(self._label)
+            direction = first
+        warp = normalized(direction - dot(direction, normal) * normal)
         weft = cross(normal, warp)
         frame = Mat([[dot(warp, first), dot(warp, second)], [dot(weft, first), dot(weft, second)]])
         return _edges(self._positions(kind)) @ inverse(frame)

@@ -33,6 +33,8 @@ class Trace:
     """What the inputs of the graph are, by number: of what, which kept point, which component."""
     totals: Totals | None = None
     """Of an energy of totals."""
+    local_axes: frozenset[str] = frozenset()
+    """Triangles whose strain is along their own first edge."""
 
 
 def trace(
@@ -75,6 +77,7 @@ def trace(
         tuple(labels[p] for p in sorted(used)),
         inputs.sources,
         totals,
+        frozenset(inputs.local_axes),
     )
 
 

@@ -7,6 +7,7 @@ import pickle
 import subprocess
 import sys
 import time
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +35,31 @@ def test_energies_are_pickled_by_name() -> None:
 
     with pytest.raises((pickle.PicklingError, AttributeError), match="inner"):
         pickle.dumps(inner)
+
+
+def test_an_energy_that_is_bound_and_not_added_is_said() -> None:
+    scene, cloth = sheet()
+    used = magnet(cloth.vertices, center=(0, 0, 1))
+    scene.add(used)
+    magnet(cloth.vertices, center=(0, 0, 1)).check()
+    magnet.benchmark(cloth.vertices, center=(0, 0, 1))
+    other = stark.Scene()
+    magnet(other.add_sphere(0.1, mass=1.0).vertices, center=(0, 0, 1))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        stark.Simulation(scene)
+    forgotten = magnet(cloth.vertices[:3], center=(0, 0, 1))
+    with pytest.warns(
+        stark.StarkWarning, match="energy magnet on 3 elements was bound and not added"
+    ) as told:
+        stark.Simulation(scene)
+    assert told[0].filename == __file__ and len(told) == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        stark.Simulation(scene)  # once
+    scene.add(forgotten)
+    with pytest.warns(stark.StarkWarning, match=r"magnet on .* write scene\.add"):
+        stark.Simulation(other)
 
 
 def test_forces_of_a_magnet_are_those_of_the_closed_form() -> None:
