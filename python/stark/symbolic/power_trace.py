@@ -12,13 +12,16 @@ import math
 import numpy as np
 
 from stark._core import TraceError
-from stark.symbolic.functions import mark_stage
+from stark.symbolic.functions import held, mark_stage, where
 from stark.symbolic.linear_algebra import invariants
 from stark.symbolic.tensor import Scalar, vec
 
 #: Of the quadrature. The relative error is below 1e-10 for eigenvalues from 1/16 to 16, 2e-5 from 1/64 to 64.
 _NODES = 24
 _LARGEST = 16.0  # exponent
+#: Mean eigenvalue, or one over it, of matrices that are scaled to 1 first: no strains, but moments and the
+#: like, whose size depends on units. Strains are not, as the error of the quadrature jumps there.
+_FAR, _LEAST = 32.0, 1e-150
 
 
 def power_trace(a: object, exponent: float) -> Scalar:
@@ -26,7 +29,8 @@ def power_trace(a: object, exponent: float) -> Scalar:
     each to the power of a fixed number. With C = F.T @ F and exponent = alpha / 2 it is the sum of the
     principal stretches to the power alpha, as in Ogden's law; with 1/2 their sum. Its derivatives exist where
     eigenvalues are equal. Exact for whole exponents; else the relative error is below 1e-10 for principal
-    stretches from 1/4 to 4, 2e-5 from 1/8 to 8."""
+    stretches from 1/4 to 4, 2e-5 from 1/8 to 8. Matrices whose mean eigenvalue is below 1/32 or above 32 are
+    scaled to a mean of 1 first, so their size does not matter."""
     if isinstance(exponent, bool) or not isinstance(exponent, (int, float, np.integer, np.floating)):
         raise TraceError(
             f"power_trace: exponent = {exponent!r}: must be a fixed number, as the terms of the formula "
@@ -44,10 +48,16 @@ def power_trace(a: object, exponent: float) -> Scalar:
     powers = _whole_powers(given, whole + 2)
     if whole == abs(power):
         return powers[whole]
+    # tr(A^f) = c^f tr((A/c)^f) whatever c is, so derivatives need not know of it.
+    mean = given[0] / float(size)
+    is_far = (mean > _FAR) | ((mean < 1.0 / _FAR) & (mean > _LEAST))
+    scale = held(where(is_far, mean, 1.0))
+    given = tuple(given[k] / scale ** (k + 1) for k in range(size))
+    powers = _whole_powers(given, whole + 2)
     total = 0.0 * given[0]
     for weight, t in _quadrature(abs(power) - whole):
         total = total + weight * _resolvent(given, powers, whole + 1, t)
-    return total
+    return scale ** abs(power) * total
 
 
 def _whole_powers(given: tuple[Scalar, ...], count: int) -> list[Scalar]:

@@ -40,6 +40,21 @@ def test_it_is_the_sum_of_powers_of_eigenvalues(size: int, exponent: float) -> N
 
 
 @pytest.mark.parametrize("size", [2, 3])
+@pytest.mark.parametrize("exponent", [0.5, 1.3, -0.5])
+def test_matrices_of_any_size(size: int, exponent: float) -> None:
+    """Moments in SI units are small: with a mean far from 1 values and derivatives scale as they have to."""
+    power = compiled(size, exponent)
+    A = spread(40, size, 0.5, 2.0)
+    value, gradient, hessian = power(A), power.gradient(A), power.hessian(A)
+    for factor in (1e-12, 1e-4, 1e-2, 1e2, 1e6):
+        assert power(factor * A) == pytest.approx(factor**exponent * value, rel=1e-11)
+        assert power.gradient(factor * A) == pytest.approx(factor ** (exponent - 1.0) * gradient, rel=1e-8)
+        # Of the largest entry: others are differences of large numbers.
+        scaled = power.hessian(factor * A) / factor ** (exponent - 2.0)
+        assert np.abs(scaled - hessian).max() < 1e-8 * np.abs(hessian).max()
+
+
+@pytest.mark.parametrize("size", [2, 3])
 def test_derivatives_exist_where_eigenvalues_meet(size: int) -> None:
     """d tr(A^s) = s A^(s-1), and along H, which commutes with A = c, s (s - 1) c^(s-2) |H|^2."""
     for exponent in (0.5, 1.7, -0.8):
