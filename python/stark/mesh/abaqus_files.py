@@ -28,6 +28,10 @@ _EDGES: dict[str, tuple[tuple[int, int], ...]] = {
 }
 
 
+#: Keywords that make or move nodes and elements which the file does not write out.
+_NOT_READ = ("SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")
+
+
 class Section(NamedTuple):
     """A keyword of the file with its parameters and lines of data."""
 
@@ -60,16 +64,29 @@ def sections_of(file: Path) -> list[Section]:
             continued = text.endswith(",")
         elif found:
             found[-1].lines.append([entry.strip() for entry in text.split(",") if entry.strip()])
+    _refuse_others(found, file)
+    return [] if any(section.keyword == "INCLUDE" for section in found) else found
+
+
+def _refuse_others(sections: Sequence[Section], file: Path) -> None:
+    """InvalidMesh for what would be read as another mesh."""
     for keyword, what in (
         ("NODE", "blocks of nodes (*NODE)"),
         ("INSTANCE", "instances of parts (*INSTANCE)"),
     ):
-        if (count := sum(section.keyword == keyword for section in found)) > 1:
+        if (count := sum(section.keyword == keyword for section in sections)) > 1:
             raise InvalidMesh(
                 f"'{file}' has {count} {what}: must have one; write each part to a file of its own, with all "
                 f"of its nodes in one block"
             )
-    return [] if any(section.keyword == "INCLUDE" for section in found) else found
+    for section in sections:
+        if section.keyword in _NOT_READ:
+            raise InvalidMesh(
+                f"'{file}' has *{section.keyword}, which is not read: must have nodes and elements written "
+                f"out, in Cartesian coordinates"
+            )
+        if section.keyword == "NODE" and section.parameters.get("SYSTEM", "R").upper() != "R":
+            raise InvalidMesh(f"'{file}': *NODE, SYSTEM={section.parameters['SYSTEM']}: must be Cartesian, R")
 
 
 def cells_of(sections: Sequence[Section]) -> io.StringIO:

@@ -147,9 +147,14 @@ def test_what_would_be_read_wrongly_is_refused(tmp_path: Path) -> None:
     with pytest.raises(stark.InvalidMesh, match=r"2 instances of parts \(\*INSTANCE\): must have one"):
         mesh.load(twice)
     for wrong, message in (
+        ("*ElGen\n1, 5", r"part\.inp' has \*ELGEN, which is not read"),
+        ("*System\n1, 0, 0, 0, 1, 0", r"\*SYSTEM, which is not read: must have nodes .* Cartesian"),
         ("*Surface, name=Top\n1, S9", r"\*SURFACE: face 'S9' of a tetra: must be S1, S2"),
         ("*Nset, nset=Top, generate\n1", r"sets cannot be read .*: must be numbers and names"),
         ("*Elset, elset=Top\nNone", r"refers to the set 'None': must be one of the file, before it"),
     ):
         with pytest.raises(stark.InvalidMesh, match=message):
             mesh.load_groups(written(tmp_path, *part, wrong))
+    round_nodes = part[0].replace("*Node", "*Node, system=C")
+    with pytest.raises(stark.InvalidMesh, match=r"\*NODE, SYSTEM=C: must be Cartesian, R"):
+        mesh.load(written(tmp_path, round_nodes, part[1]))
