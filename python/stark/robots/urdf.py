@@ -16,6 +16,7 @@ from stark._core import InvalidArgument
 from stark.robots.checks import check_inertias
 from stark.robots.description import KINDS, Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
 from stark.robots.report import Report
+from stark.robots.urdf_contents import report_unread, take_quaternions
 from stark.robots.xml import parsed
 
 Floats = NDArray[np.float64]
@@ -23,7 +24,7 @@ Element = ElementTree.Element
 
 #: Attributes that are numbers, and how many.
 _NUMBERS: dict[str, dict[str, int | tuple[int, ...]]] = {
-    "origin": {"xyz": 3, "rpy": 3},
+    "origin": {"xyz": 3, "rpy": 3, "quat_xyzw": 4},
     "axis": {"xyz": 3},
     "mass": {"value": 1},
     "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
@@ -108,6 +109,9 @@ def _check_elements(tree: Element, report: Report) -> None:
             _check_numbers(part, title, report)
         if element.tag == "link":
             _check_link(element, title, report)
+        if element.tag in ("link", "joint"):
+            take_quaternions(element, title, report)
+            report_unread(element, title, report)
 
 
 def _check_numbers(part: Element, title: str, report: Report) -> None:
