@@ -18,6 +18,7 @@ from stark.robots.inertias import inertia_of
 from stark.robots.usd_deformables import DEFORMABLE, Owner, applied, read_deformables
 from stark.robots.usd_joints import Side, UsdJoint, joints_of
 from stark.robots.usd_stage import Frame, Stage, turn, unique_names
+from stark.robots.usd_unread import report_gravity, report_unread
 
 Floats = NDArray[np.float64]
 
@@ -170,6 +171,11 @@ class _Reader:
     def _deforms(self, prim: Any) -> bool:
         path = str(prim.GetPath()) + "/"
         return any(path.startswith(root + "/") for root in self.deformables)
+
+    def _is_soft(self, prim: Any) -> bool:
+        """Whether a prim is read as, or for, a deformable body: it, an attachment, a material."""
+        names = [*applied(prim), str(prim.GetTypeName())]
+        return self._deforms(prim) or any("Deformable" in name or "Attachment" in name for name in names)
 
     def _collides(self, prim: Any) -> bool:
         api = self.pxr.UsdPhysics.CollisionAPI
@@ -343,8 +349,10 @@ class _Reader:
         self.report.add("kept", "file", "meshes touch as they are, not by their convex hulls")
         if any(prim.IsA(physics.CollisionGroup) for prim in self.prims):
             self.report.add("dropped", "file", "collision groups: give exclude")
+        report_unread(self.stage, [prim for prim in self.prims if not self._is_soft(prim)])
         for prim in self.prims:
             if prim.IsA(physics.Scene):
+                report_gravity(self.stage, physics.Scene(prim))
                 size = physics.Scene(prim).GetGravityMagnitudeAttr().Get()
                 if (
                     size is not None
