@@ -17,6 +17,7 @@ from stark.robots.description import Geometry, Inertia, Link, RobotDescription, 
 from stark.robots.kinematics import WORLD, Placement
 from stark.robots.mjcf_actuators import read_actuators
 from stark.robots.mjcf_contacts import touching_geoms, untouching
+from stark.robots.mjcf_dropped import report_dropped
 from stark.robots.mjcf_equalities import closes_to_world, read_closures, read_mimics
 from stark.robots.mjcf_flexes import flex_bodies, read_flexes
 from stark.robots.mjcf_tendons import Transmissions
@@ -27,14 +28,8 @@ Floats = NDArray[np.float64]
 
 # Numbers of mujoco's enumerations, which are part of its interface.
 _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
+_GREY = np.array([0.5, 0.5, 0.5, 1.0], dtype=np.float32)  # of geoms that say nothing
 _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8)
-_NO_GRAVITY, _GRAVITY = 1 << 7, (0.0, 0.0, -9.81)  # a flag; what MJCF has if left out [m/s^2]
-#: Parts that are not read: counts in the model.
-_DROPPED = {
-    "nsensor": "sensors",
-    "nkey": "keyframes",
-    "npair": "contact pairs: what they name touches, with the friction of the scene",
-}
 
 
 def read_mjcf(file: Path) -> RobotDescription:
@@ -88,7 +83,7 @@ class _Reader:
         used = [k for k in range(model.nbody) if (k != 0 or root == 0) and k not in self.of_flexes]
         links = [link for k in used for link in self._links(k)]
         joints = [joint for k in used if k != root for joint in self._joints(k)]
-        self._report_dropped()
+        report_dropped(model, self.bodies, self.joint_names, self.report)
         self._report_outside(set(used))
         check_inertias([link for link in links if link.name != self.bodies[0]], self.report)
         excluded = [*untouching(model, used, self.report), *self._apart()]
@@ -146,7 +141,7 @@ class _Reader:
     def _geometry(self, geom: int, body: str) -> Geometry | None:
         model, kind = self.model, int(self.model.geom_type[geom])
         size = [float(value) for value in model.geom_size[geom]]
-        r, g, b = (float(value) for value in model.geom_rgba[geom][:3])
+        r, g, b = self._color(geom)
         placed: dict[str, Any] = {
             "position": np.array(model.geom_pos[geom]),
             "rotation": as_matrix(model.geom_quat[geom], body),
@@ -177,6 +172,13 @@ class _Reader:
         what = {_PLANE: "plane", _HFIELD: "height field"}.get(kind, f"geom of type {kind}")
         self.report.add("dropped", f"body '{body}'", f"a {what}: add a floor or a mesh to the scene")
         return None
+
+    def _color(self, geom: int) -> list[float]:
+        """Red, green, blue: its own, else that of its material."""
+        model, own = self.model, self.model.geom_rgba[geom]
+        material = int(model.geom_matid[geom])
+        is_own = material < 0 or not np.array_equal(own, _GREY)
+        return [float(value) for value in (own if is_own else model.mat_rgba[material])[:3]]
 
     # --- joints ---
 
@@ -250,9 +252,9 @@ class _Reader:
             lower=lower if limited else None,
             upper=upper if limited else None,
             effort=effort,
-            damping=float(model.dof_damping[dof]),
+            damping=float(model.dof_damping[dof]) + self.drives.damping.get(joint, 0.0),
             friction=float(model.dof_frictionloss[dof]),
-            armature=float(model.dof_armature[dof]),
+            armature=float(model.dof_armature[dof]) + self.drives.armature.get(joint, 0.0),
             stiffness=float(model.jnt_stiffness[joint]),
             rest=float(model.qpos_spring[row]),
             mimic=self.mimics.get(joint),
@@ -260,22 +262,6 @@ class _Reader:
         )
 
     # --- the rest ---
-
-    def _report_dropped(self) -> None:
-        for attribute, what in _DROPPED.items():
-            if count := int(getattr(self.model, attribute, 0)):
-                self.report.add("dropped", "file", f"{count} {what}")
-        option = self.model.opt
-        gravity = [0.0, 0.0, 0.0] if option.disableflags & _NO_GRAVITY else option.gravity.tolist()
-        if not np.allclose(gravity, _GRAVITY, atol=1e-2):
-            self.report.add("dropped", "file", f"gravity {gravity} m/s^2: that of the simulation holds")
-        if option.density or option.viscosity or option.wind.any():
-            self.report.add("dropped", "file", "a medium: density, viscosity, wind")
-        self.report.add(
-            "dropped", "file", "friction, softness and margins of contact: those of the scene hold"
-        )
-        if (self.model.geom_type == _MESH).any():
-            self.report.add("kept", "file", "meshes touch as they are, not by their convex hulls")
 
     def _report_outside(self, used: set[int]) -> None:
         """Shapes of the world, where it is no link: the robot is what hangs on its only body."""

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from stark.robots.description import Gains
-from stark.robots.mjcf_tendons import Naming, Transmissions
+from stark.robots.mjcf_tendons import Naming, Transmission, Transmissions
 from stark.robots.report import Report
 
 # Numbers of mujoco's enumerations, which are part of its interface.
 _FIXED_GAIN, _NO_DYNAMICS = 0, 0
 _NO_BIAS, _AFFINE = 0, 1
+_ONE_AXIS = (2, 3)  # joints that slide or turn
 
 
 @dataclass
@@ -23,6 +24,10 @@ class JointDrives:
     efforts: dict[int, float] = field(default_factory=dict)
     """Limits [N m, N], the smallest of several."""
     gains: dict[int, Gains] = field(default_factory=dict)
+    armature: dict[int, float] = field(default_factory=dict)
+    """What the rotors of actuators add to that of joints [kg m^2, kg]."""
+    damping: dict[int, float] = field(default_factory=dict)
+    """What acts without a drive, too [N m s, N s/m]."""
 
 
 def read_actuators(
@@ -36,12 +41,13 @@ def read_actuators(
     for k in range(model.nu):
         title = f"actuator '{name('actuator', model.actuator(k).name, k)}'"
         driven = along.of_actuator(k)
-        if driven is None:
+        if driven is None or int(model.jnt_type[driven.joint]) not in _ONE_AXIS:
             report.add(
                 "dropped", title, "acts on no single joint: use robot.add_servos, add_motors, add_efforts"
             )
             continue
         joint, ratio = driven
+        _add_rotor(model, k, driven, joint_names[joint], found, report, title)
         gains, known = _gains(model, k, ratio), found.gains.get(joint, Gains(0.0))
         if gains is None or (gains.stiffness > 0.0 and known.stiffness > 0.0):
             report.add("dropped", title, "is not built: use robot.add_servos, add_motors, add_efforts")
@@ -56,6 +62,7 @@ def read_actuators(
                 title,
                 f"{what} on '{joint_names[joint]}': robot.add_servos() takes them where none are given",
             )
+            _report_range(model, k, driven, report, title)
         limit = _limit(model, k, abs(ratio))
         if limit is None:
             continue
@@ -83,3 +90,29 @@ def _gains(model: Any, k: int, ratio: float) -> Gains | None:
     stiffness, damping = (-float(value) * ratio**2 for value in model.actuator_biasprm[k][1:3])
     follows_rate = stiffness == 0.0 and model.actuator_gainprm[k][0] == -model.actuator_biasprm[k][2] > 0.0
     return Gains(stiffness, max(0.0, damping)) if stiffness > 0.0 or follows_rate else None
+
+
+def _add_rotor(
+    model: Any, k: int, driven: Transmission, joint: str, found: JointDrives, report: Report, title: str
+) -> None:
+    """Inertia and damping of an actuator, which its joint has whether something drives it or not."""
+    for what, known in (("armature", found.armature), ("damping", found.damping)):
+        value = float(getattr(model, f"actuator_{what}", np.zeros(model.nu))[k]) * driven.ratio**2
+        if value:
+            known[driven.joint] = known.get(driven.joint, 0.0) + value
+            report.add("kept", title, f"{what} {value:g} of joint '{joint}'")
+    if np.any(getattr(model, "actuator_dampingpoly", np.zeros(model.nu))[k]):
+        report.add("dropped", title, "dampingpoly: only linear damping is kept")
+
+
+def _report_range(model: Any, k: int, driven: Transmission, report: Report, title: str) -> None:
+    """What a servo of the file has beside its gains: a constant force, targets that end before the joint."""
+    if force := float(model.actuator_biasprm[k][0]) * driven.ratio:
+        report.add("dropped", title, f"constant effort {force:g}: use feedforward of robot.add_servos()")
+    if not model.actuator_ctrllimited[k] or float(model.actuator_biasprm[k][1]) == 0.0:
+        return
+    scale = -float(model.actuator_gainprm[k][0]) / (float(model.actuator_biasprm[k][1]) * driven.ratio)
+    low, high = sorted(scale * float(bound) for bound in model.actuator_ctrlrange[k])
+    lower, upper = model.jnt_range[driven.joint] if model.jnt_limited[driven.joint] else (-np.inf, np.inf)
+    if low > lower + 1e-6 or high < upper - 1e-6:
+        report.add("dropped", title, f"ctrlrange: targets are not cut to [{low:g}, {high:g}]")

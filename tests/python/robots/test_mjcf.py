@@ -92,6 +92,16 @@ def test_what_is_dropped_and_kept_is_reported(tmp_path: Path) -> None:
     assert robot.root == "world" and robot.coordinates == ("j", "k")
 
 
+def test_shapes_have_the_colour_of_their_material(tmp_path: Path) -> None:
+    """Unless they have one of their own."""
+    asset = '<asset><material name="red" rgba="1 0 0 1"/></asset>'
+    geoms = '<geom size=".1" material="red"/><geom size=".2" material="red" rgba="0 1 0 1"/><geom size=".3"/>'
+    robot = stark.robots.read(written_mjcf(tmp_path, f'<body name="a"><freejoint/>{geoms}</body>', asset))
+    assert [shape.color for shape in robot.links["a"].collisions] == [
+        (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.5, 0.5, 0.5)
+    ]  # fmt: skip
+
+
 def test_warnings_of_mujoco_go_to_the_report_and_to_no_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

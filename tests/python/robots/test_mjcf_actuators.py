@@ -86,3 +86,38 @@ def test_actuators_of_a_rate_are_the_damping_of_servos(tmp_path: Path) -> None:
         mujoco.mj_step(model, data)
     np.testing.assert_allclose(robot.q, data.qpos, atol=2e-3)
     np.testing.assert_allclose(robot.qd, data.qvel, atol=2e-2)
+
+
+def test_rotors_add_to_armature_and_damping_as_in_mujoco(tmp_path: Path) -> None:
+    """Whether something drives the joint or not, times the square of the gear."""
+    motor = '<actuator><motor name="m" joint="j" gear="3" armature="0.02" damping="0.05"/></actuator>'
+    file = written_mjcf(tmp_path, ARM, motor)
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    theirs = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, theirs)
+    robot = stark.Scene().add_robot(file)
+    joint = robot.description.joints["j"]
+    assert abs(joint.armature - 0.18) < 1e-12 and abs(joint.damping - 0.65) < 1e-12
+    np.testing.assert_allclose(robot.mass_matrix(), theirs, atol=1e-12)
+    assert "actuator 'm': armature 0.18 of joint 'j'" in str(robot.report)
+
+
+def test_what_servos_of_a_file_lose_is_named(tmp_path: Path) -> None:
+    servos = (
+        '<actuator><general name="g" joint="j" biastype="affine" gainprm="100" biasprm="7 -50 -1" '
+        'ctrlrange="-.2 .3"/><position name="p" joint="s" kp="9" ctrlrange="-1 1"/></actuator>'
+    )
+    arm = ARM.replace('type="slide"', 'type="slide" range="-1 1"')
+    report = str(stark.robots.read(written_mjcf(tmp_path, arm, servos)).report)
+    assert "actuator 'g': constant effort 7: use feedforward" in report
+    assert "actuator 'g': ctrlrange: targets are not cut to [-0.4, 0.6]" in report
+    assert "actuator 'p': ctrlrange" not in report  # the joint ends there, too
+
+
+def test_actuators_of_ball_joints_limit_nothing(tmp_path: Path) -> None:
+    body = ARM.replace('name="j" axis="0 1 0" damping="0.2"', 'name="j" type="ball"')
+    motor = '<actuator><motor name="m" joint="j" gear="1 0 0" forcerange="-3 3"/></actuator>'
+    report = str(stark.robots.read(written_mjcf(tmp_path, body, motor)).report)
+    assert "actuator 'm': acts on no single joint" in report and "limit of effort 3" not in report
