@@ -265,6 +265,8 @@ def _joint(joint: Any, report: Report) -> RobotJoint:
             "damping": float(joint.dynamics.damping or 0.0),
             "friction": float(joint.dynamics.friction or 0.0),
         }
+    elif joint.dynamics is not None and (joint.dynamics.damping or joint.dynamics.friction):
+        report.add("dropped", title, f"<dynamics>: {joint.type} joints have no damping and no friction")
     mimic = None
     if joint.mimic is not None and joint.type != "fixed":
         mimic = Mimic(joint.mimic.joint, float(joint.mimic.multiplier), float(joint.mimic.offset))

@@ -161,3 +161,26 @@ def test_fingers_as_wide_as_a_bar_hold_the_torsion_of_their_pads() -> None:
             scene.add_force(finger, (0.0, 0.0, 0.05 * _G))
         scene.add_force(bar, (0.0, 0.0, 0.3 * _G))
         assert holds(scene, bar, 1, part * even, 0.002) == (part < 1.0)
+
+
+@pytest.mark.parametrize(("width", "largest"), [(0.05, 0.08), (0.03, 0.16)])
+def test_edges_that_pass_each_other_are_a_narrow_bump(width: float, largest: float) -> None:
+    """Two fingers press a part without friction; its upper edge moves down past theirs (docs/friction.md)."""
+    pressing, overhang, d = 9.81, 0.005, 1e-3
+    scene = stark.Scene()
+    part = scene.add_box((0.05, width, 0.05), motion="scripted", name="part")
+    for name, side in (("left", -1.0), ("right", 1.0)):
+        place = (0.0362 * side, 0.0, 0.0)
+        finger = scene.add_box((0.02, 0.04, 0.04), mass=0.1, position=place, name=name)
+        scene.add_slider(None, finger, anchor=place, axis=(-side, 0.0, 0.0)).add_effort(pressing)
+        scene.friction["part", name] = 0.0
+    sim = stark.Simulation(scene, time_step=0.005, gravity=(0, 0, 0))
+    sim.run_until(0.3)
+    ways, along = np.arange(0.002, 0.009, 5e-5), []
+    for way in ways:
+        part.position = (0.0, 0.0, -way)
+        sim.step()
+        along.append(part.holding_force[2] / (2.0 * pressing))
+    acting = ways[np.abs(along) > 1e-3]
+    assert 0.05 < np.max(np.abs(along)) < largest and np.min(along) < 0.0 < np.max(along)
+    assert np.max(np.abs(acting - overhang)) < 0.8 * d

@@ -138,6 +138,13 @@ def test_what_is_left_out_is_reported(tmp_path: Path) -> None:
     assert f"robot from '{file}'" in str(report) and "  dropped (3):" in str(report)
 
 
+def test_damping_of_joints_without_an_axis_is_reported(tmp_path: Path) -> None:
+    file = tmp_path / "pair.urdf"
+    file.write_text(pair('<dynamics damping="3" friction="0"/>', kind="floating"))
+    report = stark.robots.read(file).report
+    assert "joint 'hinge': <dynamics>: floating joints have no damping and no friction" in str(report)
+
+
 def test_robots_without_a_name_get_that_of_the_file(tmp_path: Path) -> None:
     file = tmp_path / "crane.urdf"
     file.write_text("<robot><link name='a'/></robot>")
