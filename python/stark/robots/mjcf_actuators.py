@@ -46,7 +46,7 @@ def read_actuators(
                 "dropped", title, "acts on no single joint: use robot.add_servos, add_motors, add_efforts"
             )
             continue
-        joint, ratio = driven
+        joint, ratio = driven.joint, driven.ratio
         _add_rotor(model, k, driven, joint_names[joint], found, report, title)
         gains, known = _gains(model, k, ratio), found.gains.get(joint, Gains(0.0))
         if gains is None or (gains.stiffness > 0.0 and known.stiffness > 0.0):
@@ -57,12 +57,9 @@ def read_actuators(
             what = f"stiffness {gains.stiffness:g} and damping {gains.damping:g} of a servo"
             if gains.stiffness == 0.0:
                 what = f"damping {gains.damping:g} of a servo that follows target_rate"
-            report.add(
-                "kept",
-                title,
-                f"{what} on '{joint_names[joint]}': robot.add_servos() takes them where none are given",
-            )
-            _report_range(model, k, driven, report, title)
+            of = f"'{joint_names[joint]}'"
+            report.add("kept", title, f"{what} on {of}: robot.add_servos() takes them where none are given")
+            _report_control(model, k, driven, report, title)
         limit = _limit(model, k, abs(ratio))
         if limit is None:
             continue
@@ -105,14 +102,23 @@ def _add_rotor(
         report.add("dropped", title, "dampingpoly: only linear damping is kept")
 
 
-def _report_range(model: Any, k: int, driven: Transmission, report: Report, title: str) -> None:
-    """What a servo of the file has beside its gains: a constant force, targets that end before the joint."""
-    if force := float(model.actuator_biasprm[k][0]) * driven.ratio:
-        report.add("dropped", title, f"constant effort {force:g}: use feedforward of robot.add_servos()")
-    if not model.actuator_ctrllimited[k] or float(model.actuator_biasprm[k][1]) == 0.0:
+def _report_control(model: Any, k: int, driven: Transmission, report: Report, title: str) -> None:
+    """How the control of a servo of the file follows from targets, and what it has beside its gains: a
+    constant force, targets that end before the joint."""
+    gain, (force, per_length) = float(model.actuator_gainprm[k][0]), model.actuator_biasprm[k][:2]
+    if force:
+        text = f"constant effort {float(force) * driven.ratio:g}: use feedforward of robot.add_servos()"
+        report.add("dropped", title, text)
+    if per_length == 0.0 or gain == 0.0:
         return
-    scale = -float(model.actuator_gainprm[k][0]) / (float(model.actuator_biasprm[k][1]) * driven.ratio)
-    low, high = sorted(scale * float(bound) for bound in model.actuator_ctrlrange[k])
+    per = -float(per_length) / gain
+    ratio, offset = per * driven.ratio, per * driven.offset
+    if abs(ratio - 1.0) > 1e-9 or abs(offset) > 1e-12:
+        plus = f" plus {offset:g}" if abs(offset) > 1e-12 else ""
+        report.add("kept", title, f"targets are coordinates; its control is {ratio:g} times them{plus}")
+    if not model.actuator_ctrllimited[k]:
+        return
+    low, high = sorted((float(bound) - offset) / ratio for bound in model.actuator_ctrlrange[k])
     lower, upper = model.jnt_range[driven.joint] if model.jnt_limited[driven.joint] else (-np.inf, np.inf)
     if low > lower + 1e-6 or high < upper - 1e-6:
         report.add("dropped", title, f"ctrlrange: targets are not cut to [{low:g}, {high:g}]")

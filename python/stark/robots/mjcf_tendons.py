@@ -28,10 +28,11 @@ Naming = Callable[[str, str, int], str]
 
 class Transmission(NamedTuple):
     """What an actuator drives: the coordinate of a joint, by number. Its length is ``ratio`` times the
-    coordinate and a constant; so a force on it is ``ratio`` times that on the coordinate."""
+    coordinate and ``offset`` [m, rad]; so a force on it is ``ratio`` times that on the coordinate."""
 
     joint: int
     ratio: float
+    offset: float = 0.0
 
 
 class Transmissions:
@@ -48,7 +49,7 @@ class Transmissions:
             found: Transmission | None = self._of_joint(part)
         else:
             found = self._of_tendon(part) if kind == _ON_TENDON else None
-        return None if found is None else Transmission(found.joint, gear * found.ratio)
+        return None if found is None else Transmission(found.joint, gear * found.ratio, gear * found.offset)
 
     def report(self, report: Report) -> None:
         """What becomes of each tendon."""
@@ -59,27 +60,31 @@ class Transmissions:
                 report.add("dropped", title, f"{self._lacks(tendon)}: see docs/coming_from.md")
                 continue
             joint = self._names[along.joint]
-            report.add("kept", title, f"its length is {along.ratio:g} times the coordinate of '{joint}'")
+            text = f"its length is {along.ratio:g} times the coordinate of '{joint}'"
+            plus = f" plus {along.offset:g}" if abs(along.offset) > 1e-12 else ""
+            report.add("kept", title, f"{text}{plus}")
             own = [what for key, what in _OWN.items() if np.any(getattr(self._model, key)[tendon])]
             if own:
                 report.add("dropped", title, f"{', '.join(own)}: give them to joint '{joint}'")
 
     def _of_joint(self, joint: int) -> Transmission:
-        ratio, seen = 1.0, {joint}
+        ratio, offset, seen = 1.0, 0.0, {joint}
         while joint in self._mimics:
+            offset += ratio * self._mimics[joint].offset
             ratio *= self._mimics[joint].ratio
             joint = self._names.index(self._mimics[joint].joint)
             if joint in seen:  # a circle, which the description refuses
                 break
             seen.add(joint)
-        return Transmission(joint, ratio)
+        return Transmission(joint, ratio, offset)
 
     def _of_tendon(self, tendon: int) -> Transmission | None:
         parts = self._parts(tendon)
         if parts is None or len({along.joint for along, _ in parts}) != 1:
             return None
         ratio = sum(coefficient * along.ratio for along, coefficient in parts)
-        return Transmission(parts[0][0].joint, ratio) if ratio != 0.0 else None
+        offset = sum(coefficient * along.offset for along, coefficient in parts)
+        return Transmission(parts[0][0].joint, ratio, offset) if ratio != 0.0 else None
 
     def _parts(self, tendon: int) -> list[tuple[Transmission, float]] | None:
         """What its joints drive, with their coefficients; None of a spatial tendon."""

@@ -55,6 +55,30 @@ def test_a_servo_on_a_tendon_of_both_fingers_moves_as_in_mujoco(tmp_path: Path) 
         np.testing.assert_allclose(robot.joints["r"].displacement, data.qpos[1], atol=0.02 * target)
     np.testing.assert_allclose(servo.target, target)
     assert "tendon 'split': its length is 1.5 times the coordinate of 'l'" in str(robot.report)
+    assert "actuator 'close': targets are coordinates; its control is 600 times them" in str(robot.report)
+
+
+def test_targets_are_coordinates_where_lengths_are_not(tmp_path: Path) -> None:
+    """One finger is drawn at 4 mm and follows 2 mm ahead: the tendon has 3 mm more than the coordinate."""
+    hand = HAND.replace('range="0 0.08"', 'range="-.05 0.08" ref="0.004"').replace('range="0 0.04"', "")
+    servo = SERVO.replace("general", "position").partition("gainprm")[0] + 'kp="500" kv="20"/></actuator>'
+    servo = servo.replace('gear="2"', "").replace("0 255", "-.01 .05")
+    file = written_mjcf(tmp_path, hand, FOLLOWING.replace("0 2 0 0 0", "0.002 1 0 0 0") + servo)
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 0.03
+    while data.time < 2.0:
+        mujoco.mj_step(model, data)
+    scene = stark.Scene()
+    robot = scene.add_robot(file)
+    report = str(robot.report)
+    assert "tendon 'split': its length is 1 times the coordinate of 'l' plus 0.003" in report
+    assert "actuator 'close': targets are coordinates; its control is 1 times them plus 0.003" in report
+    assert "actuator 'close': ctrlrange: targets are not cut to [-0.013, 0.047]" in report
+    robot.add_servos("l", target=0.03 - 0.003)
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.run_until(2.0)
+    np.testing.assert_allclose(robot.q[0], data.qpos[0], atol=5e-5)  # mujoco's equality gives a little
 
 
 def test_an_actuator_on_a_joint_that_follows_acts_on_the_one_that_it_follows(tmp_path: Path) -> None:
