@@ -263,6 +263,10 @@ def _title(text: str) -> str:
     return f"{text}\n{'=' * len(text)}\n\n"
 
 
+#: A page of docs/ as docstrings name it.
+_GUIDE = re.compile(r"(?:``)?\bdocs/([a-z_]+)\.md(?:``)?")
+
+
 def connect(app: Any) -> None:
     """Hooks for Sphinx."""
     app.connect("autodoc-process-docstring", _docstring)
@@ -273,12 +277,14 @@ def connect(app: Any) -> None:
 
 
 def _docstring(app: Any, what: str, name: str, value: Any, options: Any, lines: list[str]) -> None:
-    """Indented programs after a line with a colon are programs, and |x| is no substitution."""
+    """Indented programs after a line with a colon are programs, |x| is no substitution, and names of guides
+    lead to them."""
     for k, line in enumerate(lines):
         program = lines[k + 2 : k + 3] and not lines[k + 1] and lines[k + 2].startswith("    ")
         if program and line.strip() and not line.startswith("    "):
             lines[k] = line.rstrip(":.") + "::"
         lines[k] = re.sub(r"(?<!`)\|(\w+)\|", r"\\|\1\\|", lines[k])
+        lines[k] = _GUIDE.sub(r":doc:`/\1`", lines[k])
 
 
 def _signature(

@@ -227,3 +227,12 @@ def test_pages_of_sources_link_to_public_names(tmp_path: Path) -> None:
     kept = [back.format(name) for name in ("stark.hold", "stark.mesh.Mesh.save", "stark.mesh.Mesh.save")]
     assert page.read_text() == start + "\n".join([*kept, ""])
     assert index.read_text() == '<article role="main"><li><a href="stark/joints.html">j</a>core'
+
+
+def test_names_of_guides_in_docstrings_lead_to_them() -> None:
+    lines = ["Robots. docs/robots.md is the guide.", "``docs/scene_files.md`` (docs/a.md); docs/README.md"]
+    docs_api._docstring(None, "module", "m", None, None, lines)
+    assert lines == [
+        "Robots. :doc:`/robots` is the guide.",
+        ":doc:`/scene_files` (:doc:`/a`); docs/README.md",
+    ]
