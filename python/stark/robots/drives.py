@@ -40,6 +40,7 @@ class DrivenRobot(Protocol):
     _scene: SceneLink
     _drives: list[Drives]
     _joints: Mapping[str, Joint]
+    _start: Floats  # q at the start of each simulation
 
     @property
     def name(self) -> str: ...
@@ -388,7 +389,8 @@ def add_drives(
     }
     axes = [robot._axes()[row] for row in rows]
     shifts = np.array([axis.shift if kind == "servos" else 0.0 for axis in axes])
-    start = robot.q[rows] if kind == "servos" else np.zeros(len(rows))
+    now = robot._start if robot._scene._latest_simulation() is None else robot.q
+    start = now[rows] if kind == "servos" else np.zeros(len(rows))
     goals = {} if target is None else by_joint(target, names, f"{owner}: target")
     first = np.array([at_start(goals.get(k, value), owner) for k, value in enumerate(start.tolist())])
     with robot._scene._adding_a_whole():

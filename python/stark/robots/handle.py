@@ -473,6 +473,9 @@ class Robot(RobotDynamics):
 
     def _simulation(self) -> SimulationLink | None:
         simulation = self._scene._latest_simulation() if self._of is None else self._of
+        if simulation is None:  # never made, or gone: then q is not that of the start
+            for body in self.bodies[:1]:
+                body._if_gone()
         return simulation if simulation is not None and self._is_in(simulation) else None
 
     def _is_in(self, simulation: SimulationLink) -> bool:

@@ -73,6 +73,23 @@ def test_each_simulation_has_its_robot() -> None:
         print(later.qd)
 
 
+def test_what_a_simulation_that_is_gone_had_is_not_the_start() -> None:
+    """Nor are efforts against gravity those of the start; servos for the next simulation can be added."""
+    scene, robot = arm()
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.run_until(0.1)
+    del sim
+    for read in (lambda: robot.q, robot.mass_matrix, robot.gravity_efforts):
+        with pytest.raises(
+            stark.InvalidArgument, match=r"its simulation is gone; keep the stark\.Simulation"
+        ):
+            read()
+    servos = robot.add_servos(stiffness=10.0, damping=1.0, cap=5.0)
+    again = stark.Simulation(scene, time_step=0.01)
+    np.testing.assert_allclose(servos.target, robot.q, atol=1e-12)
+    assert again.time == 0.0
+
+
 def test_wrong_names_say_what_there_is() -> None:
     _, robot = arm()
     with pytest.raises(stark.InvalidArgument, match="link 'hand': must be one of base, turret"):
