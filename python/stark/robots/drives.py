@@ -397,7 +397,7 @@ def add_drives(
         actuators = _added(
             robot, kind, dict(zip(names, (a.joint for a in axes), strict=True)), first - shifts, columns
         )
-    robot._scene._warn_of_late(owner, stacklevel=4)
+    robot._scene._warn_of_late(f"robot '{robot.name}': a group of {kind}", stacklevel=4)
     drives = Drives(robot, kind, rows, actuators, shifts)
     if target is not None:
         drives._assign("target", target)  # cuts efforts, follows functions, warns of limits

@@ -155,7 +155,7 @@ def test_a_robot_that_is_added_late_warns_once() -> None:
     assert found[0].filename == __file__
     with pytest.warns(stark.StarkWarning) as found:
         late.add_servos(**GAINS)
-    assert [str(w.message).partition(" was added")[0] for w in found] == ["robot 'late': servos"]
+    assert [str(w.message).partition(" was added")[0] for w in found] == ["robot 'late': a group of servos"]
     assert found[0].filename == __file__ and sim.time == 0.0
 
 
