@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace stark {
@@ -19,6 +20,10 @@ constexpr double kLargestPenaltyFactor = 1e8;
 constexpr double kDeadZone = 0.01;
 /// Updates in a row after which joints that come no closer count as contradicting.
 constexpr int kIdleUpdateLimit = 8;
+/// The same in loops whose misfits are beyond the dead zone: a little is left there that hardly moves
+/// anything. Their penalties do not grow: others than those that the multipliers were made for would turn
+/// misfits into forces that move.
+constexpr int kIdleLoopLimit = 2;
 
 double beyond(double value, double zone) {
   return std::copysign(std::max(0.0, std::fabs(value) - zone), value);
@@ -89,6 +94,7 @@ void ConstraintSet::begin_step(std::span<const double> multipliers, std::span<co
       if (penalties_[r] == 0.0) multipliers_[r] = 0.0;
     }
   }
+  first_penalties_ = penalties_;
   write_inputs();
 }
 
@@ -130,20 +136,31 @@ void ConstraintSet::write_inputs() {
   }
 }
 
+std::vector<double> ConstraintSet::misfits_of(std::span<const double> residuals,
+                                              std::span<const double> held) const {
+  std::vector<double> misfits(held.size());
+  if (held.empty()) return misfits;
+  for (size_t r = 0; r < held.size(); ++r) misfits[r] = residuals[r] - held[r];
+  if (worst_of(misfits, enabled_, tolerance_).ratio > 1.0) misfits.clear();
+  return misfits;
+}
+
 double ConstraintSet::update(std::span<const Vec3> x, const Relief& held) {
   std::vector<double> C = residuals(x);
   double violation = worst_of(C, enabled_, wanted_).ratio;
   if (!(violation > 1.0)) return 0.0;
   const bool holds = worst_of(C, enabled_, tolerance_).ratio <= 1.0;
   const auto give_up = [&] { return holds ? 0.0 : std::numeric_limits<double>::infinity(); };
-  if (holds && held) {
-    C = held();
+  const std::vector<double> misfits = held ? misfits_of(C, held(C)) : std::vector<double>{};
+  if (!misfits.empty()) {
+    for (size_t r = 0; r < C.size(); ++r) C[r] -= misfits[r];
     violation = worst_of(C, enabled_, wanted_).ratio;
-    if (!(violation > 1.0)) return 0.0;
+    if (holds && !(violation > 1.0)) return 0.0;
   }
+  const bool is_misfit = !misfits.empty() && worst_of(misfits, enabled_, wanted_).ratio > kDeadZone;
   idle_updates_ = violation < 0.5 * smallest_violation_ ? 0 : idle_updates_ + 1;
   if (idle_updates_ == 0) smallest_violation_ = violation;
-  if (idle_updates_ >= kIdleUpdateLimit) return give_up();
+  if (idle_updates_ >= (holds && is_misfit ? kIdleLoopLimit : kIdleUpdateLimit)) return give_up();
   double change = 0.0;
   for (int32_t j = 0; j < joint_count_; ++j) {
     const Joint& joint = *groups_[places_[j].group].joint;
@@ -154,7 +171,7 @@ double ConstraintSet::update(std::span<const Vec3> x, const Relief& held) {
       const std::span<const char> one_sided = std::span(joint.one_sided()).subspan(row, rows);
       // What counts is the norm, as in worst(): each entry may be within the tolerance while it is not.
       const double size = norm_of_rows(C, r, one_sided);
-      const bool is_slow = !last_residuals_.empty() && size > tolerance &&
+      const bool is_slow = !is_misfit && !last_residuals_.empty() && size > tolerance &&
                            size * kFall > norm_of_rows(last_residuals_, r, one_sided);
       for (const size_t end = row + rows; row < end; ++row, ++r) {
         const double multiplier =
@@ -200,18 +217,39 @@ ConstraintSet::Violation ConstraintSet::worst_of(std::span<const double> C, std:
                                                  const ConstraintTolerance& tolerance) const {
   Violation worst;
   for (int32_t j = 0; j < joint_count_; ++j) {
-    const Joint& joint = *groups_[places_[j].group].joint;
-    int64_t r = places_[j].residual;
-    for (const int rows : joint.hold_sizes()) {
-      const ResidualUnit unit = joint.units()[r - places_[j].residual];
-      const std::span<const char> one_sided =
-          std::span(joint.one_sided()).subspan(r - places_[j].residual, rows);
-      const double size = norm_of_rows(C, r, one_sided), ratio = size / tolerance.of(unit);
-      if (enabled[j] != 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
-      r += rows;
-    }
+    if (enabled[j] == 0.0) continue;
+    const Violation violation = worst_of_joint(C, j, tolerance);
+    if (violation.ratio > worst.ratio) worst = violation;
   }
   return worst;
+}
+
+ConstraintSet::Violation ConstraintSet::worst_of_joint(std::span<const double> C, int32_t j,
+                                                       const ConstraintTolerance& tolerance) const {
+  Violation worst;
+  const Joint& joint = *groups_[places_[j].group].joint;
+  size_t row = 0;
+  for (const int rows : joint.hold_sizes()) {
+    const ResidualUnit unit = joint.units()[row];
+    const std::span<const char> one_sided = std::span(joint.one_sided()).subspan(row, rows);
+    const double size = norm_of_rows(C, places_[j].residual + static_cast<int64_t>(row), one_sided);
+    const double ratio = size / tolerance.of(unit);
+    if (ratio > worst.ratio) worst = {ratio, j, size, unit};
+    row += static_cast<size_t>(rows);
+  }
+  return worst;
+}
+
+std::vector<ConstraintSet::Violation> ConstraintSet::beyond(std::span<const double> residuals,
+                                                            double part) const {
+  std::vector<Violation> result;
+  for (int32_t j = 0; j < joint_count_; ++j) {
+    if (enabled_[j] == 0.0) continue;
+    const Violation violation = worst_of_joint(residuals, j, tolerance_);
+    if (violation.ratio > part) result.push_back(violation);
+  }
+  std::ranges::stable_sort(result, std::ranges::greater{}, &Violation::ratio);
+  return result;
 }
 
 namespace {

@@ -70,9 +70,9 @@ class ConstraintSet {
   /// Updates multipliers and penalties where residuals at x are beyond the wanted tolerances. Returns the
   /// largest change of a multiplier [N, N m], 0 when everything is held as wanted, or within the tolerances
   /// and a series of updates brought nothing; infinity when that is beyond them, or no side of what is apart
-  /// has unknowns. Within the tolerances, what counts are the residuals that `held` returns, if there is
-  /// one: those at x less what constraints in loops do to each other.
-  using Relief = std::function<std::vector<double>()>;
+  /// has unknowns. What counts are the parts of the residuals that `held` returns, if there is one: less what
+  /// constraints in loops do to each other, unless that alone is beyond the tolerances; nothing: all of them.
+  using Relief = std::function<std::vector<double>(std::span<const double> residuals)>;
   double update(std::span<const Vec3> x, const Relief& held = {});
   /// Forces that hold the residuals: the multipliers of the next step.
   std::vector<double> next_multipliers(std::span<const double> residuals) const;
@@ -89,6 +89,8 @@ class ConstraintSet {
   void set_inputs(const Inputs& inputs);
   const std::vector<double>& multipliers() const { return multipliers_; }
   const std::vector<double>& penalties() const { return penalties_; }
+  /// Penalties that the step has started with.
+  const std::vector<double>& first_penalties() const { return first_penalties_; }
   /// Which residuals hold at or below zero, by residual.
   std::vector<char> one_sided() const;
 
@@ -106,6 +108,9 @@ class ConstraintSet {
     return worst_of(residuals(x), enabled, tolerance);
   }
 
+  /// The worst of each joint of which these residuals are more than `part` of the tolerance, the worst first.
+  std::vector<Violation> beyond(std::span<const double> residuals, double part) const;
+
   /// Residuals or coordinates at x, in the order of groups and elements.
   std::vector<double> residuals(std::span<const Vec3> x) const;
   std::vector<double> coordinates(std::span<const Vec3> x) const;
@@ -118,13 +123,18 @@ class ConstraintSet {
 
  private:
   void write_inputs();
+  /// What residuals have beyond those that are held; empty where that is beyond the tolerances, or nothing
+  /// is.
+  std::vector<double> misfits_of(std::span<const double> residuals, std::span<const double> held) const;
   Violation worst_of(std::span<const double> residuals, std::span<const double> enabled,
                      const ConstraintTolerance& tolerance) const;
+  Violation worst_of_joint(std::span<const double> residuals, int32_t joint,
+                           const ConstraintTolerance& tolerance) const;
 
   std::vector<ConstraintGroup> groups_;
   std::vector<Place> places_;  ///< by joint
   std::vector<double> multipliers_, penalties_, last_residuals_;
-  std::vector<double> largest_penalties_;
+  std::vector<double> first_penalties_, largest_penalties_;
   std::vector<double> enabled_;  ///< by joint; penalties are zero also where both sides are prescribed
   ConstraintTolerance tolerance_, wanted_;
   double smallest_violation_ = 0.0;  ///< over the tolerance, of the updates of this step

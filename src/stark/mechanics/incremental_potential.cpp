@@ -290,7 +290,8 @@ void IncrementalPotential::settle(const ConstraintSet::Inputs& inputs) {
 double IncrementalPotential::update_constraints() {
   if (!constraints_) return 0.0;
   if (!self_stress_) return constraints_->update(x_);
-  return constraints_->update(x_, [&] { return self_stress_->held(iterate_, x_); });
+  return constraints_->update(
+      x_, [&](std::span<const double> residuals) { return self_stress_->held(iterate_, x_, residuals); });
 }
 
 SelfStress::End IncrementalPotential::end_constraints() const { return self_stress_->end(iterate_, x_); }

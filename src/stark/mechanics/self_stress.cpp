@@ -15,6 +15,8 @@ constexpr double kHeld = 1e-8;
 constexpr int kPasses = 2;
 /// Independent rows that a constraint of two frames has at most.
 constexpr size_t kMostRows = 6;
+/// Misfit over its tolerance from which on a loop that may break does not fit.
+constexpr double kNearly = 0.9;
 /// Largest motion of the differences that residuals are compared over [m, rad].
 constexpr double kProbe = 1e-5;
 
@@ -26,9 +28,12 @@ size_t diagonal_slot(const BlockMatrix& matrix, int32_t block) {
 
 }  // namespace
 
-SelfStress::SelfStress(const KinematicMap& map, ConstraintSet& constraints, ThreadPool& pool,
-                       std::function<bool(int32_t)> may_break)
-    : map_(map), constraints_(constraints), may_break_(std::move(may_break)) {
+SelfStress::SelfStress(const KinematicMap& map, ConstraintSet& constraints, ThreadPool& pool, Known may_break,
+                       Known is_driven)
+    : map_(map),
+      constraints_(constraints),
+      may_break_(std::move(may_break)),
+      is_driven_(std::move(is_driven)) {
   std::vector<PotentialBatch*> batches;
   for (ConstraintGroup& group : constraints.groups()) {
     if (group.joint->units().empty()) continue;
@@ -92,8 +97,7 @@ std::vector<bool> SelfStress::in_loops(const std::vector<bool>& acts) const {
   return is_left;
 }
 
-std::vector<bool> SelfStress::joined_to_torn(const std::vector<bool>& acts,
-                                             const std::vector<bool>& loops) const {
+std::vector<bool> SelfStress::joined_to(const std::vector<bool>& some, const std::vector<bool>& acts) const {
   std::vector<Index3> links;
   for (size_t m = 0; m < members_.size(); ++m)
     if (acts[m])
@@ -101,39 +105,84 @@ std::vector<bool> SelfStress::joined_to_torn(const std::vector<bool>& acts,
         links.push_back({members_[m].blocks.front(), block, block});
   const int32_t count = map_.layout().block_count;
   const std::vector<int32_t> component = find_connected_components(count, links);
-  std::vector<bool> is_torn(count), result(members_.size());
+  std::vector<bool> is_chosen(count), result(members_.size());
   for (size_t m = 0; m < members_.size(); ++m)
-    if (loops[m] && may_break_(members_[m].joint)) is_torn[component[members_[m].blocks.front()]] = true;
+    if (acts[m] && some[m] && !members_[m].blocks.empty())
+      is_chosen[component[members_[m].blocks.front()]] = true;
   for (size_t m = 0; m < members_.size(); ++m)
-    result[m] = acts[m] && !members_[m].blocks.empty() && is_torn[component[members_[m].blocks.front()]];
+    result[m] = acts[m] && !members_[m].blocks.empty() && is_chosen[component[members_[m].blocks.front()]];
   return result;
 }
 
-std::vector<double> SelfStress::held(const Configuration& configuration, std::span<const Vec3> x) {
-  std::vector<double> residuals = constraints_.residuals(x);
-  const std::vector<bool> acts = acting(residuals);
-  if (acts.empty()) return residuals;
-  factorise(configuration, x);
-  if (const std::optional<std::vector<double>> pushed = by_residuals(configuration, x, residuals, acts))
-    for (size_t r = 0; r < residuals.size(); ++r)
-      if (acts[r]) residuals[r] = (*pushed)[r] / constraints_.penalties()[r];
-  return residuals;
+std::vector<bool> SelfStress::joined_to_breakable(const std::vector<bool>& acts,
+                                                  const std::vector<bool>& loops) const {
+  std::vector<bool> breakable(members_.size());
+  for (size_t m = 0; m < members_.size(); ++m) breakable[m] = loops[m] && may_break_(members_[m].joint);
+  return is_any(breakable) ? joined_to(breakable, acts) : breakable;
 }
 
+std::vector<bool> SelfStress::members_of(const std::vector<bool>& rows) const {
+  std::vector<bool> members(members_.size());
+  for (size_t m = 0; m < members_.size(); ++m)
+    for (size_t k = 0; k < row_count(members_[m]); ++k)
+      if (rows[first_row(members_[m]) + k]) members[m] = true;
+  return members;
+}
+
+std::vector<bool> SelfStress::torn(std::span<const double> misfits, const std::vector<bool>& acts) const {
+  std::vector<bool> rows(acts.size());
+  const std::vector<ConstraintSet::Violation> beyond = constraints_.beyond(misfits, kNearly);
+  if (beyond.empty()) return rows;
+  const std::vector<bool> members = members_of(acts);
+  std::vector<bool> tight(members_.size());
+  for (size_t m = 0; m < members_.size(); ++m)
+    tight[m] = std::ranges::find(beyond, members_[m].joint, &ConstraintSet::Violation::joint) != beyond.end();
+  const std::vector<bool> breakable = joined_to_breakable(members, in_loops(members));
+  const std::vector<bool> is_tight = joined_to(tight, members);
+  for (size_t m = 0; m < members_.size(); ++m)
+    for (size_t k = 0; breakable[m] && is_tight[m] && k < row_count(members_[m]); ++k)
+      rows[first_row(members_[m]) + k] = acts[first_row(members_[m]) + k];
+  return rows;
+}
+
+std::vector<double> SelfStress::held(const Configuration& configuration, std::span<const Vec3> x,
+                                     std::span<const double> residuals) {
+  const std::vector<bool> acts = acting(residuals);
+  if (acts.empty()) return {};
+  factorise(configuration, x);
+  const std::optional<std::vector<double>> pushed = by_residuals(configuration, x, residuals, acts);
+  if (!pushed) return {};
+  std::vector<double> result(residuals.begin(), residuals.end());
+  for (size_t r = 0; r < result.size(); ++r)
+    if (acts[r]) result[r] = (*pushed)[r] / constraints_.penalties()[r];
+  return result;
+}
+
+// Penalties that grew in the step start anew in the next one, whose multipliers make up for what they have
+// there.
 SelfStress::End SelfStress::end(const Configuration& configuration, std::span<const Vec3> x) {
   const std::vector<double> residuals = constraints_.residuals(x);
-  End end{constraints_.reactions(residuals), constraints_.next_multipliers(residuals)};
+  End end{constraints_.reactions(residuals), constraints_.next_multipliers(residuals), {}};
   const std::vector<bool> acts = acting(residuals);
   if (acts.empty()) return end;
+  const std::vector<double>& penalties = constraints_.first_penalties();
+  std::vector<double> multipliers = end.forces;
+  for (size_t r = 0; r < residuals.size(); ++r) multipliers[r] -= penalties[r] * residuals[r];
+  constraints_.set_inputs({multipliers, penalties});
   factorise(configuration, x);
   const std::optional<std::vector<double>> forces = moving_part(configuration, x, end.forces, acts);
   const std::optional<std::vector<double>> pushed = by_residuals(configuration, x, residuals, acts);
   if (!forces || !pushed) return end;
   const std::vector<char> one_sided = constraints_.one_sided();
+  end.misfits.assign(residuals.size(), 0.0);
+  for (size_t r = 0; r < residuals.size(); ++r)
+    if (acts[r]) end.misfits[r] = residuals[r] - (*pushed)[r] / penalties[r];
+  const std::vector<bool> is_torn = torn(end.misfits, acts);
   for (size_t r = 0; r < residuals.size(); ++r) {
     if (!acts[r]) continue;
-    end.forces[r] = (*forces)[r];
-    end.multipliers[r] = (*forces)[r] + (*pushed)[r] - constraints_.penalties()[r] * residuals[r];
+    const double stress = penalties[r] * end.misfits[r];
+    end.forces[r] = (*forces)[r] + (is_torn[r] ? stress : 0.0);
+    end.multipliers[r] = (*forces)[r] - stress;
     if (one_sided[r] == 0) continue;
     end.forces[r] = std::max(0.0, end.forces[r]);
     end.multipliers[r] = std::max(0.0, end.multipliers[r]);
@@ -148,18 +197,19 @@ std::vector<bool> SelfStress::acting(std::span<const double> residuals) const {
   std::vector<bool> rows(forces.size());
   for (size_t r = 0; r < forces.size(); ++r)
     rows[r] = constraints_.penalties()[r] > 0.0 && (one_sided[r] == 0 || forces[r] > 0.0);
-  std::vector<bool> acts(members_.size());
-  for (size_t m = 0; m < members_.size(); ++m)
-    for (size_t k = 0; k < row_count(members_[m]); ++k)
-      if (rows[first_row(members_[m]) + k]) acts[m] = true;
-  std::vector<bool> loops = in_loops(acts);
-  const std::vector<bool> torn = joined_to_torn(acts, loops);
+  const std::vector<bool> acts = members_of(rows);
+  const std::vector<bool> loops = in_loops(acts), breakable = joined_to_breakable(acts, loops);
+  std::vector<bool> driven(members_.size()), is_left = loops;
+  if (is_any(breakable)) {
+    for (size_t m = 0; m < members_.size(); ++m) driven[m] = is_driven_(members_[m].joint);
+    driven = joined_to(driven, acts);
+  }
   for (size_t m = 0; m < members_.size(); ++m) {
-    if (!torn[m]) continue;
-    loops[m] = false;
+    if (!breakable[m] || !driven[m]) continue;
+    is_left[m] = false;
     for (size_t k = 0; k < row_count(members_[m]); ++k) rows[first_row(members_[m]) + k] = false;
   }
-  if (!is_any(loops)) rows.clear();
+  if (!is_any(is_left)) rows.clear();
   return rows;
 }
 

@@ -17,19 +17,24 @@ namespace stark {
 
 class SelfStress {
  public:
-  /// Constraints whose groups and stencils stay as they are. `may_break`, by number: loops with such ones are
-  /// torn, and keep all forces.
-  SelfStress(const KinematicMap& map, ConstraintSet& constraints, ThreadPool& pool,
-             std::function<bool(int32_t)> may_break);
+  /// What is known of constraints by their numbers.
+  using Known = std::function<bool(int32_t)>;
+  /// Constraints whose groups and stencils stay as they are. Loops with some that may break keep all forces
+  /// if what is driven may tear them, or if they fit no more.
+  SelfStress(const KinematicMap& map, ConstraintSet& constraints, ThreadPool& pool, Known may_break,
+             Known is_driven);
 
   /// By residual, with sites at x: the part C' of which the forces rho C' move bodies as rho C does and are
-  /// the least that do, weighed by 1 / rho; C itself where no constraints that act are in a loop.
-  std::vector<double> held(const Configuration& configuration, std::span<const Vec3> x);
+  /// the least that do, weighed by 1 / rho; empty where no constraints that act are in a loop.
+  std::vector<double> held(const Configuration& configuration, std::span<const Vec3> x,
+                           std::span<const double> residuals);
 
   /// What the constraints leave to the next step.
   struct End {
-    std::vector<double> forces;       ///< the least that move bodies as lambda + rho C does
+    /// The least that move bodies as lambda + rho C does, and rho times the misfits of what they tear.
+    std::vector<double> forces;
     std::vector<double> multipliers;  ///< with which they are that again if nothing moves
+    std::vector<double> misfits;      ///< parts of residuals that no motion closes; empty without a loop
   };
   End end(const Configuration& configuration, std::span<const Vec3> x);
 
@@ -43,12 +48,18 @@ class SelfStress {
 
   /// Which of the members that act are in loops.
   std::vector<bool> in_loops(const std::vector<bool>& acts) const;
+  /// Which of the members that act are joined to one of `some`.
+  std::vector<bool> joined_to(const std::vector<bool>& some, const std::vector<bool>& acts) const;
   /// Which of the members that act are joined to a loop that may break.
-  std::vector<bool> joined_to_torn(const std::vector<bool>& acts, const std::vector<bool>& loops) const;
+  std::vector<bool> joined_to_breakable(const std::vector<bool>& acts, const std::vector<bool>& loops) const;
+  /// Which members have residuals that act.
+  std::vector<bool> members_of(const std::vector<bool>& rows) const;
+  /// Residuals of loops that may break and of which these misfits are nearly beyond the tolerances.
+  std::vector<bool> torn(std::span<const double> misfits, const std::vector<bool>& acts) const;
   size_t row_count(const Member& member) const;
   size_t first_row(const Member& member) const;
-  /// Which residuals act in a step that ends with these, but for loops that may break; empty where nothing
-  /// that acts is in another loop.
+  /// Which residuals act in a step that ends with these, but for loops that what is driven may tear; empty
+  /// where nothing that acts is in another loop.
   std::vector<bool> acting(std::span<const double> residuals) const;
   /// The part of rho C that moves bodies; nothing without a solution.
   std::optional<std::vector<double>> by_residuals(const Configuration& configuration, std::span<const Vec3> x,
@@ -67,7 +78,7 @@ class SelfStress {
 
   const KinematicMap& map_;
   ConstraintSet& constraints_;
-  std::function<bool(int32_t)> may_break_;
+  Known may_break_, is_driven_;
   std::vector<Member> members_;
   std::unique_ptr<Assembler> assembler_;  ///< null where no loop is possible
   std::unique_ptr<LinearSolver> solver_;

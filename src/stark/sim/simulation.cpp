@@ -116,8 +116,10 @@ void Simulation::make_solver() {
   potential_ = std::make_unique<IncrementalPotential>(
       model_->map(), *assembler_, contact_.get(), &energies_.constraints, model_->block_scales(), *timer_);
   if (energies_.constraints.joint_count() > 0) {
-    self_stress_ = std::make_unique<SelfStress>(model_->map(), energies_.constraints, *pool_,
-                                                [this](int32_t constraint) { return may_break(constraint); });
+    self_stress_ = std::make_unique<SelfStress>(
+        model_->map(), energies_.constraints, *pool_,
+        [this](int32_t constraint) { return may_break(constraint); },
+        [this](int32_t constraint) { return may_be_driven(constraint); });
     potential_->set_self_stress(self_stress_.get());
   }
   potential_->set_active_set_updates(settings_.contact.friction_updates);
@@ -135,6 +137,17 @@ bool Simulation::may_break(int32_t constraint) const {
     if (pair >= 0 && pair < attachment.size()) return std::isfinite(attachment.break_force);
   }
   return false;
+}
+
+bool Simulation::may_be_driven(int32_t constraint) const {
+  using Carrier = FrameDescription::Carrier;
+  if (constraint >= static_cast<int32_t>(scene_.joints().size())) return true;
+  const auto is_driven = [&](const FrameDescription& frame) {
+    if (frame.carrier == Carrier::Body) return scene_.motion(frame.body) == Motion::Scripted;
+    return frame.carrier != Carrier::World;
+  };
+  const JointDescription& joint = scene_.joints()[constraint];
+  return is_driven(joint.a) || is_driven(joint.b);
 }
 
 Simulation::~Simulation() = default;

@@ -264,6 +264,9 @@ class Simulation {
   void make_solver();
   /// Whether a joint or a pair of an attachment, by its number in the constraints, has a break force.
   bool may_break(int32_t constraint) const;
+  /// Whether users may move it between steps, but for placing: no joint of rigid bodies that are not
+  /// scripted.
+  bool may_be_driven(int32_t constraint) const;
   void check_initial_state() const;
   /// Throws InitialIntersection where surfaces intersect or contain each other at site positions x; `when`
   /// names them: "at time 0".

@@ -38,6 +38,10 @@ constexpr int kPasses = 100;  ///< of handing stiffness on from body to body
 constexpr double kLinear = 0.01, kAngular = 0.1;
 constexpr double kSmallLength = 1e-10, kSmallAngle = 1e-9;
 
+/// Misfit of a loop over the tolerance from which on steps say so, and how many joints they name.
+constexpr double kNearly = 0.9;
+constexpr size_t kNamed = 3;
+
 /// Residuals that make the error of a reaction less than its mass times these accelerations, in a step of h.
 ConstraintTolerance finer(const ConstraintTolerance& tolerance, double h) {
   return {.length = std::min(tolerance.length, std::max(kLinear * h * h, kSmallLength)),
@@ -143,11 +147,12 @@ void StepJoints::forget_history() {
   if (has_history(settings_.time.integrator)) state_.previous_time_step = 0.0;
 }
 
-void StepJoints::commit() {
+std::string StepJoints::commit() {
   ConstraintSet& constraints = energies_.constraints;
-  if (constraints.joint_count() == 0) return;
+  if (constraints.joint_count() == 0) return "";
   const std::span<const Vec3> x = potential_.site_positions();
   SelfStress::End end = potential_.end_constraints();
+  std::string misfit = misfit_text(end.misfits);
   state_.joint_multiplier = std::move(end.multipliers);
   state_.joint_force = std::move(end.forces);
   constraints.set_forces(state_.joint_force);  // what loops do to themselves is not read, and breaks nothing
@@ -168,6 +173,27 @@ void StepJoints::commit() {
       value = is_angle ? unwrap(now, value) : now;
     }
   }
+  return misfit;
+}
+
+std::string StepJoints::misfit_text() const { return misfit_text(potential_.end_constraints().misfits); }
+
+std::string StepJoints::misfit_text(std::span<const double> misfits) const {
+  if (misfits.empty()) return "";
+  const std::vector<ConstraintSet::Violation> off = energies_.constraints.beyond(misfits, kNearly);
+  if (off.empty()) return "";
+  std::string names;
+  for (size_t k = 0; k < std::min(kNamed, off.size()); ++k)
+    names += (k > 0 ? ", " : "") + name_of(off[k].joint);
+  const ConstraintSet::Violation& worst = off.front();
+  const bool is_length = worst.unit == ResidualUnit::Length;
+  const std::string setting = is_length ? "joints.length_tolerance" : "joints.angle_tolerance";
+  const double tolerance = is_length ? settings_.joints.length_tolerance : settings_.joints.angle_tolerance;
+  return "a closed loop does not fit: " + names + (off.size() > kNamed ? ", ..." : "") + ", off by " +
+         rough_text(worst.residual, unit_of(worst.unit)) + " which no motion closes, of " + setting + " = " +
+         quantity_text(tolerance, unit_of(worst.unit)) +
+         ", beyond which it jams; make places and axes of its joints fit, let one of them hold less, or "
+         "loosen that tolerance";
 }
 
 void StepJoints::commit_joints(std::span<const Vec3> x) {
@@ -211,19 +237,24 @@ void StepJoints::set_attachment_status(const ModelAttachment& attachment, int64_
   let_go(state_, r, 3);
 }
 
-std::string StepJoints::text_of(const ConstraintSet::Violation& worst) const {
+std::string StepJoints::name_of(int32_t constraint) const {
   const auto joints = static_cast<int32_t>(scene_.joints().size());
-  const std::string off = rough_text(worst.residual, unit_of(worst.unit));
-  if (is_of_attachments(worst.joint)) {
+  if (is_of_attachments(constraint)) {
     const auto after =
-        std::ranges::upper_bound(model_.attachments(), worst.joint, {}, &ModelAttachment::first_constraint);
+        std::ranges::upper_bound(model_.attachments(), constraint, {}, &ModelAttachment::first_constraint);
     const auto k = static_cast<size_t>(after - model_.attachments().begin()) - 1;
     return "attachment '" + scene_.attachments()[k].name + "', pair " +
-           std::to_string(worst.joint - model_.attachments()[k].first_constraint) + ", is apart by " + off;
+           std::to_string(constraint - model_.attachments()[k].first_constraint) + ",";
   }
-  if (worst.joint >= joints)
-    return "actuator '" + scene_.actuators()[worst.joint - joints].name + "' is off by " + off;
-  return "joint '" + scene_.joints()[worst.joint].name + "' is apart by " + off;
+  if (constraint >= joints) return "actuator '" + scene_.actuators()[constraint - joints].name + "'";
+  return "joint '" + scene_.joints()[constraint].name + "'";
+}
+
+std::string StepJoints::text_of(const ConstraintSet::Violation& worst) const {
+  const bool is_of_actuator = worst.joint >= static_cast<int32_t>(scene_.joints().size());
+  return name_of(worst.joint) +
+         (is_of_actuator && !is_of_attachments(worst.joint) ? " is off by " : " is apart by ") +
+         rough_text(worst.residual, unit_of(worst.unit));
 }
 
 bool StepJoints::is_of_attachments(int32_t constraint) const {

@@ -39,8 +39,11 @@ class StepJoints : private StepPart {
   /// begin_actuators(h). [theory eq. 26]
   bool hits_stop(double h) const;
   /// Multipliers, coordinates, rates, efforts and memories at the end of a step; breaks joints and
-  /// attachments.
-  void commit();
+  /// attachments. Returns which loop is about to jam, or nothing.
+  std::string commit();
+  /// Which joints of a closed loop are off by nearly their tolerances, as no motion closes it, with a remedy;
+  /// empty if none are.
+  std::string misfit_text() const;
   /// Where a joint or an attachment begins or ends to hold: the next step starts anew.
   void forget_history();
   void set_attachment_status(const ModelAttachment& attachment, int64_t pair, double status);
@@ -61,6 +64,9 @@ class StepJoints : private StepPart {
   std::vector<double> acting() const;
   /// Joints, actuators and attachments are numbered one after the other.
   bool is_of_actuators(const ConstraintGroup& group) const;
+  std::string misfit_text(std::span<const double> misfits) const;
+  /// "joint 'knee'".
+  std::string name_of(int32_t constraint) const;
   /// "joint 'knee' is apart by 0.1 m".
   std::string text_of(const ConstraintSet::Violation& worst) const;
   bool is_of_attachments(int32_t constraint) const;

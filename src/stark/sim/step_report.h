@@ -29,11 +29,13 @@ enum class Caveat : uint8_t {
   PrescribedOverlap,   ///< scripted bodies go into or through others that are scripted or fixed
   ReleasedOverlap,     ///< bodies that a joint or an attachment has released overlap, without contact so far
   BelowLeastDistance,  ///< surfaces are nearer than contact.min_separation_factor asks
+  MisfitLoop,          ///< joints of a closed loop are off by nearly their tolerances, as no motion closes it
 };
 template <>
 struct EnumNames<Caveat> {
-  static constexpr std::array<std::string_view, 5> kNames{"round_off", "old_friction", "prescribed_overlap",
-                                                          "released_overlap", "below_least_distance"};
+  static constexpr std::array<std::string_view, 6> kNames{
+      "round_off",        "old_friction",         "prescribed_overlap",
+      "released_overlap", "below_least_distance", "misfit_loop"};
 };
 
 /// Energies stored at the end of a step and energies that the step turned over [J]. For every step

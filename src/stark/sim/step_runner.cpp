@@ -90,8 +90,7 @@ Failure failure_of(SolveStatus status) {
   return {};
 }
 
-/// Residual over its tolerance, and motion over that of lengths, from which what is prescribed has not pulled
-/// a joint apart.
+/// Residual over its tolerance, motion over that of lengths, from which prescribed parts pull no joint apart.
 constexpr double kFarApart = 2.0, kHardly = 0.1;
 
 /// The largest of prescribed sites in a step to a target from sites at `start` [m].
@@ -115,8 +114,7 @@ std::string fitting_tolerances(const NewtonSettings& newton, const SolveReport& 
   std::string text;
   const auto check = [&](const char* name, const char* unit, double tolerance, double reached) {
     if (tolerance > 0.0 && !(reached < tolerance))
-      text +=
-          std::string(text.empty() ? "; " : ", ") + name + " = " + quantity_text(rounded_up(reached), unit);
+      text += std::string(text.empty() ? "; " : ", ") + name + " = " + rough_text(rounded_up(reached), unit);
   };
   check("newton.acceleration_tolerance", "m/s^2", newton.acceleration_tolerance, solve.acceleration);
   check("newton.residual_tolerance", "N", newton.residual_tolerance, solve.residual);
@@ -424,6 +422,7 @@ Diagnosis StepRunner::diagnose() {
   evidence.attempts = attempts_;
   for (const auto* gaps : {&evidence.start_gaps, &evidence.gaps})
     if (!gaps->empty()) evidence.released_by = watch_.releaser_of(gaps->front().a.body, gaps->front().b.body);
+  const std::string start = joints_.violation_text(step_start_, [](int32_t) { return true; });
   if (report_.solve.status == SolveStatus::ConstraintViolated) {
     evidence.joint_violation = joints_.violation_text();
     const double apart = energies_.constraints.worst(potential_.site_positions()).ratio;
@@ -431,11 +430,11 @@ Diagnosis StepRunner::diagnose() {
     // What hangs on one prescribed part alone follows it.
     const bool is_pulled = evidence.is_between && motion > 0.0 &&
                            (apart < kFarApart || motion > kHardly * settings_.joints.length_tolerance);
-    evidence.joints_held =
-        !is_pulled && joints_.violation_text(step_start_, [](int32_t) { return true; }).empty();
+    const std::string misfit = is_pulled ? "" : joints_.misfit_text();
+    evidence.joints_held = !is_pulled && misfit.empty() && start.empty();
+    if (!misfit.empty()) evidence.joint_violation = misfit;
   }
   Diagnosis diagnosis = judge(std::move(evidence), settings_);
-  const std::string start = joints_.violation_text(step_start_, [](int32_t) { return true; });
   if (!start.empty()) {
     diagnosis.finding += "; when the step began, " + start;
     diagnosis.remedy = "bring both sides together before they are held; " + diagnosis.remedy;
@@ -462,7 +461,7 @@ void StepRunner::commit(double h) {
   state_.internal_variable = std::move(remembered_);
   motion_.commit(h);
   if (contact_) commit_contact(h);
-  joints_.commit();
+  if (const std::string text = joints_.commit(); !text.empty()) add_caveat(Caveat::MisfitLoop, text);
 }
 
 void StepRunner::commit_contact(double h) {

@@ -4,6 +4,7 @@ must not grow, nor brake or drive what moves [theory eq. 25a]."""
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,13 +16,14 @@ TILT = np.pi / 2 - 1.5708  # [rad] of an axis, where a file has 1.5708 for a rig
 G = 9.81  # [m/s^2]
 
 
-def door(tilt: float) -> tuple[stark.Scene, stark.RigidBody, list[stark.Joint]]:
+def door(
+    tilt: float, speed: float = 1.0, **breaks: float
+) -> tuple[stark.Scene, stark.RigidBody, list[stark.Joint]]:
     """Turns with 1 rad/s about two hinges, of which one is out of line."""
     scene = stark.Scene()
-    leaf = scene.add_box(
-        (0.8, 0.04, 2.0), mass=6.4, position=(0.4, 0, 1), angular_velocity=(0, 0, 1), velocity=(0, 0.4, 0)
-    )
-    lower = scene.add_hinge(None, leaf, (0, 0, 0.2), (0, np.sin(tilt), np.cos(tilt)))
+    turning: dict[str, Any] = {"angular_velocity": (0, 0, speed), "velocity": (0, 0.4 * speed, 0)}
+    leaf = scene.add_box((0.8, 0.04, 2.0), mass=6.4, position=(0.4, 0, 1), **turning)
+    lower = scene.add_hinge(None, leaf, (0, 0, 0.2), (0, np.sin(tilt), np.cos(tilt)), **breaks)
     upper = scene.add_hinge(None, leaf, (0, 0, 1.8), (0, 0, 1))
     return scene, leaf, [lower, upper]
 
@@ -50,6 +52,66 @@ def test_door_on_hinges_that_are_not_quite_in_line(step: float, integrator: str)
     assert tilted_rate == pytest.approx(rate, abs=(1e-4 + 5e-8 / step) * max(1.0, duration))
     assert straight[:, 2] == pytest.approx(np.full(2, 6.4 * G / 2), rel=1e-3)
     assert tilted == pytest.approx(straight, abs=0.5)
+
+
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+def test_penalties_that_grew_in_a_step_do_not_push_in_the_next_one(integrator: str) -> None:
+    """Misfits of a quarter of the tolerance in steps of 0.1 ms: the door was thrown from 3 to -16 rad/s and
+    back within two steps, with bdf2 to -25."""
+    scene, leaf, joints = door(TILT * 2, speed=3.0)
+    sim = simulate(scene, 1e-4, **{"time.integrator": integrator})
+    for report in sim.run(until=0.2):
+        assert leaf.angular_velocity[2] == pytest.approx(3.0, abs=0.02)  # a damper
+        assert "misfit_loop" not in report.caveats
+    assert np.abs(wrenches(joints)[:, :3]).max() < 6.4 * (G + 0.4 * 9.0)
+
+
+@pytest.mark.parametrize("step", [1e-3, 1e-2])
+def test_a_loop_that_does_not_fit_says_so_before_it_jams(step: float) -> None:
+    """Twice as far out of line: off by the tolerance after 70 degrees, where it jams."""
+    scene, leaf, joints = door(2 * TILT)
+    sim = simulate(scene, step)
+    for report in sim.run(until=1.5):
+        if report.caveats:
+            break
+        # Implicit Euler loses half of ω² h a second.
+        assert leaf.angular_velocity[2] == pytest.approx(1.0, abs=2e-3 + step)
+    assert report.caveats == ["misfit_loop"]
+    # Each is off by 0.8 m times the tilt times the sine of the angle, less what the door gives way.
+    assert 1.0 < sim.time < 1.3
+    for text in ("joint 'hinge'", "joint 'hinge_2'", "joints.length_tolerance = 1e-06 m", "loosen"):
+        assert text in report.message
+    assert len(joints) == 2
+
+
+def test_a_jam_that_fails_is_named() -> None:
+    scene, _, _ = door(2 * TILT, speed=3.0)
+    sim = simulate(scene, 1e-2)
+    for _ in range(100):
+        report = sim.step()
+        if report.failed:
+            break
+    assert report.diagnosis is not None
+    assert report.diagnosis.cause == "contradicting_joints"
+    assert "closed loop does not fit: joint 'hinge" in report.message
+
+
+def test_a_loop_that_fits_within_the_tolerance_does_not_break() -> None:
+    """It raised its forces from step to step until it broke, after some milliseconds."""
+    scene, leaf, joints = door(TILT, break_force=1e3, break_torque=1e3)
+    sim = simulate(scene, 1e-4)
+    sim.run_until(0.1)
+    assert not joints[0].broken
+    assert np.abs(wrenches(joints)[:, :3]).max() < 6.4 * G
+    assert leaf.angular_velocity[2] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_loop_that_jams_breaks() -> None:
+    scene, leaf, joints = door(2 * TILT, break_force=1e3, break_torque=1e3)
+    sim = simulate(scene, 1e-3)
+    for report in sim.run(until=1.5):
+        assert leaf.angular_velocity[2] == pytest.approx(1.0, abs=0.02), report.message
+    assert joints[0].broken
 
 
 @pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
