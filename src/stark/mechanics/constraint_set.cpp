@@ -157,10 +157,10 @@ double ConstraintSet::update(std::span<const Vec3> x, const Relief& held) {
     violation = worst_of(C, enabled_, wanted_).ratio;
     if (holds && !(violation > 1.0)) return 0.0;
   }
-  const bool is_misfit = !misfits.empty() && worst_of(misfits, enabled_, wanted_).ratio > kDeadZone;
+  const bool is_misfit = holds && !misfits.empty() && worst_of(misfits, enabled_, wanted_).ratio > kDeadZone;
   idle_updates_ = violation < 0.5 * smallest_violation_ ? 0 : idle_updates_ + 1;
   if (idle_updates_ == 0) smallest_violation_ = violation;
-  if (idle_updates_ >= (holds && is_misfit ? kIdleLoopLimit : kIdleUpdateLimit)) return give_up();
+  if (idle_updates_ >= (is_misfit ? kIdleLoopLimit : kIdleUpdateLimit)) return give_up();
   double change = 0.0;
   for (int32_t j = 0; j < joint_count_; ++j) {
     const Joint& joint = *groups_[places_[j].group].joint;

@@ -184,3 +184,57 @@ def test_edges_that_pass_each_other_are_a_narrow_bump(width: float, largest: flo
     acting = ways[np.abs(along) > 1e-3]
     assert 0.05 < np.max(np.abs(along)) < largest and np.min(along) < 0.0 < np.max(along)
     assert np.max(np.abs(acting - overhang)) < 0.8 * d
+
+
+def rings(radius: float, height: float, count: int) -> stark.TriangleMesh:
+    """A cylinder whose ends have rings of 64 vertices."""
+    angles = 2 * np.pi * np.arange(64) / 64
+    circle = np.column_stack((np.cos(angles), np.sin(angles), np.zeros(64)))
+    end = np.vstack([[0, 0, 0], *(radius * k / count * circle for k in range(1, count + 1))])
+    half = np.array([0.0, 0.0, height / 2])
+    nodes = np.vstack([end + half, end - half])
+    at = 1 + np.arange(count * 64).reshape(count, 64)
+    after = np.roll(at, -1, axis=1)
+    top = [np.column_stack((np.zeros(64, int), at[0], after[0]))]
+    for k in range(count - 1):
+        top.append(np.column_stack((at[k], at[k + 1], after[k + 1])))
+        top.append(np.column_stack((at[k], after[k + 1], after[k])))
+    face, n = np.vstack(top), len(end)
+    side = [(at[-1], n + at[-1], n + after[-1]), (at[-1], n + after[-1], after[-1])]
+    return stark.TriangleMesh(
+        nodes, np.vstack([face, face[:, ::-1] + n, *(np.column_stack(part) for part in side)])
+    )
+
+
+def even_disc(speed: float, spin: float, radius: float, until: float) -> tuple[float, float]:
+    """Speed and spin of a disc of even pressure, by the midpoint rule in time and over its area."""
+    r, angle = np.meshgrid((np.arange(60) + 0.5) / 60 * radius, (np.arange(60) + 0.5) / 60 * 2 * np.pi)
+    weight = _MU * _G * r / r.sum()
+
+    def rates(v: float, w: float) -> tuple[float, float]:
+        x, y = v - w * r * np.sin(angle), w * r * np.cos(angle)
+        size = np.hypot(x, y)
+        turning = (y * np.cos(angle) - x * np.sin(angle)) * r
+        return -float((weight * x / size).sum()), -float((weight * turning / size).sum() / (radius**2 / 2))
+
+    h = until / 300
+    for _ in range(300):
+        a, b = rates(speed, spin)
+        a, b = rates(speed + h / 2 * a, spin + h / 2 * b)
+        speed, spin = speed + h * a, spin + h * b
+    return speed, spin
+
+
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+def test_a_disc_with_rings_spins_and_slides_as_one_of_even_pressure(integrator: str) -> None:
+    scene = stark.Scene()
+    scene.default_friction = _MU
+    scene.add_floor(2.0)
+    moving = {"velocity": (0.3, -0.4, 0.0), "angular_velocity": (0.0, 0.0, 20.0)}
+    disc = scene.add_rigid(rings(0.1, 0.002, 4), mass=1.0, position=(0, 0, 0.0016), **moving)
+    sim = stark.Simulation(scene, time_step=0.002, contact_distance=3e-4, **{"time.integrator": integrator})
+    sim.run_until(0.3)
+    speed, spin = even_disc(0.5, 20.0, 0.1, 0.3)
+    assert np.hypot(*disc.velocity[:2]) == pytest.approx(speed, rel=0.05)
+    assert disc.angular_velocity[2] == pytest.approx(spin, rel=0.01)
+    assert disc.velocity[0] / disc.velocity[1] == pytest.approx(-0.75, rel=0.02)
