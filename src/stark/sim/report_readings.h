@@ -175,7 +175,9 @@ struct Readings<StepReport> {
       reading<&R::caveats>(
           "caveats",
           "What is not quite as asked of a step that was accepted: 'round_off' (the tolerances are "
-          "not met, forces are rounding), 'old_friction' (friction or joints are a refresh behind).")};
+          "not met, forces are rounding), 'old_friction' (friction or joints are a refresh behind), "
+          "'prescribed_overlap', 'released_overlap', 'below_least_distance', 'misfit_loop'; "
+          "docs/failures.md explains them, and `message` has names and remedies.")};
 };
 
 template <>
