@@ -1,6 +1,4 @@
 // When friction counts as settled: limits by place, of all and between each two bodies.
-#include <cmath>
-
 #include <doctest/doctest.h>
 
 #include <stark/contact/friction_limits.h>
@@ -58,45 +56,17 @@ TEST_CASE("a contact at the end of an edge is one of the point there") {
   CHECK(
       LimitComparison({of_edges(7, 5.0, 1.0, 1.0)}, {of_edges(9, 2.0, 1.0, 0.3), limit_of(point, kDown, 3.0)})
           .is_settled());
-  // The contact that was there goes on with the mean, of 5 and 4 N.
-  const DampedLimits damped = damped_limits({of_edges(7, 5.0, 1.0, 1.0)},
-                                            {of_edges(9, 2.0, 1.0, 0.3), limit_of(point, kDown, 2.0)}, 0.5);
-  CHECK(damped.before == std::vector<double>{4.5});
-  CHECK(damped.now == std::vector<double>{0.0, 0.0});
+  CHECK(damped_limits({of_edges(7, 5.0, 1.0, 1.0)},
+                      {of_edges(9, 2.0, 1.0, 0.3), limit_of(point, kDown, 2.0)}) ==
+        std::vector<double>{2.0 * 4.5 / 4.0, 2.0 * 4.5 / 4.0});
 }
 
-TEST_CASE("damped limits go a share of the way on the contacts that they had") {
-  // 5 N before and 3 + 2 N after go on as they are, 6 N and 4 N as 5 N; what is new stays, what is gone goes.
-  const std::vector<FrictionLimit> before{of_point(7, 5.0), of_point(7, 2.0, kUp, 2), of_edges(7, 6.0)};
+TEST_CASE("places meet in the middle, however their contacts share them") {
+  // 3 + 2 N after 5 N go on as they are, 4 N after 6 N as 5 N, and what is new stays.
+  const std::vector<FrictionLimit> before{of_point(7, 5.0), of_edges(7, 6.0)};
   const std::vector<FrictionLimit> now{of_point(7, 3.0), of_point(8, 2.0), of_edges(7, 4.0),
                                        of_edges(8, 1.0)};
-  const DampedLimits half = damped_limits(before, now, 0.5);
-  CHECK(half.before == std::vector<double>{5.0, 0.0, 5.0});
-  CHECK(half.now == std::vector<double>{0.0, 0.0, 0.0, 1.0});
-  CHECK(damped_limits(before, now, 0.25).before == std::vector<double>{5.0, 0.0, 5.5});
-}
-
-TEST_CASE("refreshes go as far as the answer to the last one allows") {
-  const auto at = [](double limit) { return std::vector<FrictionLimit>{of_point(7, limit)}; };
-  // Limits that answer with `answer` times their distance from 10 N, refreshed from 10.1 N on.
-  const auto settle = [&](double answer) {
-    Damping damping;
-    double limit = 10.1;
-    for (int refresh = 0; refresh < 6; ++refresh) {
-      const double now = 10.0 + answer * (limit - 10.0);
-      limit += damping.share(at(limit), at(now), refresh < 2) * (now - limit);
-    }
-    return std::fabs(limit - 10.0);
-  };
-  CHECK(settle(-0.9) < 1e-4);
-  CHECK(settle(-4.0) < 1e-9);  // half of the way would make 1.6 N of 0.1 N, then 2.4 N and so on
-  CHECK(settle(0.5) < 0.01);
-  // All of the way while it is plain, then half at most, and never more than before.
-  Damping damping;
-  CHECK(damping.share(at(11.0), at(10.5), true) == 1.0);
-  CHECK(damping.share(at(10.5), at(10.25), false) == 0.5);
-  CHECK(damping.share(at(10.4), at(9.0), false) == doctest::Approx(0.1));
-  CHECK(damping.share(at(10.3), at(10.2), false) == doctest::Approx(0.1));
+  CHECK(damped_limits(before, now) == std::vector<double>{3.0, 2.0, 5.0, 1.0});
 }
 
 TEST_CASE("the layers on both sides of a point are two places") {
@@ -130,7 +100,7 @@ TEST_CASE("layers of a folded body have the sides that they have, whichever poin
         doctest::Approx(1.0));
   // Half of the way, whatever the name.
   const std::vector<FrictionLimit> now{of_vertices(3, 4, 4.0), of_vertices(4, 5, 5.0)};
-  CHECK(damped_limits(before, now, 0.5).before == std::vector<double>{3.0, 6.0});
+  CHECK(damped_limits(before, now) == std::vector<double>{3.0, 6.0});
 }
 
 TEST_CASE("limits settle to 0.1 % of the largest and to 1 % of those between the same bodies") {

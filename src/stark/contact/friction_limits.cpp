@@ -19,9 +19,6 @@ constexpr double kLimitTolerance = 1e-3;
 /// beside it. Bodies that hardly graze each other are left out: part of the largest limit of all.
 constexpr double kPairTolerance = 1e-2, kGrazing = 1e-6;
 
-/// Shares of the way that a damped refresh goes.
-constexpr double kSmallestShare = 0.1, kLargestShare = 0.5;
-
 /// Part of an edge within which a contact is at its end.
 constexpr double kEnd = 1e-2;
 
@@ -139,49 +136,19 @@ FrictionLimit limit_of(const Contact& contact, const Vec3& normal, double limit)
   return result;
 }
 
-DampedLimits damped_limits(const std::vector<FrictionLimit>& before, const std::vector<FrictionLimit>& now,
-                           double share) {
-  DampedLimits damped{std::vector<double>(before.size()), std::vector<double>(now.size())};
+std::vector<double> damped_limits(const std::vector<FrictionLimit>& before,
+                                  const std::vector<FrictionLimit>& now) {
+  std::vector<double> damped;
+  damped.reserve(now.size());
+  for (const FrictionLimit& limit : now) damped.push_back(limit.limit);
   for_each_place(before, now, [&](std::span<const Entry> entries, const Sides& sides) {
     for (const Entry& entry : entries) {
       const Sum& sum = sides[side_of(entry, entries.front())];
-      const bool is_kept = sum.before > 0.0 && sum.now > 0.0;
-      const double limit = entry.limit->limit;
-      if (is_kept && !entry.is_now)
-        damped.before[static_cast<size_t>(entry.limit - before.data())] =
-            limit * (1.0 + share * (sum.now / sum.before - 1.0));
-      if (!is_kept && entry.is_now) damped.now[static_cast<size_t>(entry.limit - now.data())] = limit;
+      if (!entry.is_now || !(sum.before > 0.0) || !(sum.now > 0.0)) continue;
+      damped[static_cast<size_t>(entry.limit - now.data())] *= 0.5 * (sum.before + sum.now) / sum.now;
     }
   });
   return damped;
-}
-
-double Damping::share(const std::vector<FrictionLimit>& before, const std::vector<FrictionLimit>& now,
-                      bool is_plain) {
-  std::vector<Change> changes;
-  for_each_place(before, now, [&](std::span<const Entry> entries, const Sides& sides) {
-    for (const int side : {0, 1})
-      if (sides[side].before > 0.0 && sides[side].now > 0.0)
-        changes.push_back({entries.front().place, side, sides[side].now - sides[side].before});
-  });
-  const auto name = [](const Change& c) { return std::tuple(c.place, c.side); };
-  double along = 0.0, squared = 0.0;
-  auto last = last_.begin();
-  for (const Change& change : changes) {
-    while (last != last_.end() && name(*last) < name(change)) ++last;
-    if (last == last_.end() || name(*last) != name(change)) continue;
-    const double answer = last->change - change.change;
-    along += last->change * answer;
-    squared += answer * answer;
-  }
-  if (is_plain)
-    share_ = 1.0;
-  else if (squared > 0.0)
-    share_ = std::clamp(share_ * along / squared, kSmallestShare, std::min(share_, kLargestShare));
-  else
-    share_ = std::min(share_, kLargestShare);
-  last_ = std::move(changes);
-  return share_;
 }
 
 LimitComparison::LimitComparison(const std::vector<FrictionLimit>& before,

@@ -33,34 +33,10 @@ struct LimitChange {
   double largest_change = 0.0, largest_limit = 0.0;
 };
 
-/// Limits after a refresh that goes a share of the way from what each place had before to what it has now, on
-/// the contacts that it had; places that are new have theirs, and those that are gone nothing.
-struct DampedLimits {
-  std::vector<double> before, now;  ///< of each contact [N], 0 where it is not one of them
-};
-DampedLimits damped_limits(const std::vector<FrictionLimit>& before, const std::vector<FrictionLimit>& now,
-                           double share);
-
-/// Which share of the way damped refreshes of a step go. Where limits answer a change with more than its
-/// opposite, as under a wheel that friction lifts, half of the way would go to and fro for ever: the share is
-/// the one with which the last change would have been answered by none [theory eq. 20f], at
-/// most half and never more than before.
-class Damping {
- public:
-  void begin_step() { *this = {}; }
-  /// Share of the next refresh. is_plain: all of the way, whatever it should be.
-  double share(const std::vector<FrictionLimit>& before, const std::vector<FrictionLimit>& now,
-               bool is_plain);
-
- private:
-  struct Change {
-    FrictionPlace place;
-    int side = 0;
-    double change = 0.0;  ///< [N]
-  };
-  std::vector<Change> last_;  ///< by place
-  double share_ = 1.0;        ///< of the last refresh
-};
+/// Limits after a refresh of which each place has the mean of what it had before and has now, in the order of
+/// `now`. Places that are new keep theirs.
+std::vector<double> damped_limits(const std::vector<FrictionLimit>& before,
+                                  const std::vector<FrictionLimit>& now);
 
 /// Limits before and after a refresh, compared place by place, and side by side of each place.
 class LimitComparison {

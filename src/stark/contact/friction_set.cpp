@@ -87,7 +87,6 @@ void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std
   x_start_.assign(x.begin(), x.end());
   reference_ = std::move(reference);
   resets_ = 0;
-  damping_.begin_step();
   next_start_.reset();
   for (PotentialBatch& batch : batches_)
     batch.set_uniform("stick_displacement", stick_displacement_ / reference_.scale);
@@ -235,36 +234,16 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
     next_start_ = std::move(next);
     return 0.0;
   }
-  const bool is_plain = resets_ <= kPlainResets;
-  const double share = resets_ > 1 ? damping_.share(before, now, is_plain) : 1.0;
-  if (!is_plain) next = damped(std::move(next), damped_limits(before, now, share));
+  if (resets_ > kPlainResets) {
+    // Limits that go back and forth between two solutions meet in the middle. Places that one of them lacks
+    // are left out: what is left of their limits would fade over more refreshes than there are.
+    const std::vector<double> damped = damped_limits(before, now);
+    for (size_t k = 0; k < next.size(); ++k) next[k].limit = damped[k];
+  }
   previous_ = std::exchange(pairs_, std::move(next));
   next_start_.reset();
   sort_by_point_count();
   return comparison.total().largest_change;
-}
-
-// Limits that go back and forth between two solutions meet in the middle, and so do contacts that come and go
-// with them: a point that crosses an edge would have another normal in each. Places that one of them lacks
-// are left out: what is left of their limits would fade over more refreshes than there are.
-std::vector<FrictionSet::Pair> FrictionSet::damped(std::vector<Pair> next, const DampedLimits& limits) const {
-  std::vector<Pair> pairs;
-  const auto add = [&](const Pair& pair, double limit) {
-    if (!(limit > 0.0)) return;
-    pairs.push_back(pair);
-    pairs.back().force *= limit / pair.limit;
-    pairs.back().limit = limit;
-  };
-  size_t k = 0;
-  for (size_t i = 0; i < pairs_.size(); ++i) {
-    const PairKey& key = pairs_[i].contact.key;
-    for (; k < next.size() && next[k].contact.key < key; ++k) add(next[k], limits.now[k]);
-    const bool is_both = k < next.size() && next[k].contact.key == key;
-    if (!is_both || !(limits.now[k] > 0.0)) add(pairs_[i], limits.before[i]);
-    if (is_both && limits.before[i] > 0.0 && limits.now[k] == 0.0) pairs.back().slides = next[k].slides;
-  }
-  for (; k < next.size(); ++k) add(next[k], limits.now[k]);
-  return pairs;
 }
 
 void FrictionSet::restore() {

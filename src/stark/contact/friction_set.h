@@ -151,8 +151,6 @@ class FrictionSet {
                  std::span<const Vec3> x, PressedAreas& areas) const;
   std::vector<Pair> make_pairs(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                                const FrictionTable& coefficient, std::span<const Vec3> x) const;
-  /// The pairs of a refresh that goes half of the way to those that are next.
-  std::vector<Pair> damped(std::vector<Pair> next, const DampedLimits& limits) const;
   static int64_t bodies_of(const Pair& pair);
   /// Entry of the memory whose bristles a pair goes on with, -1 if there is none: its own, or that of the
   /// same point on a triangle beside, where the point has slid across an edge or a valley has split its
@@ -199,8 +197,7 @@ class FrictionSet {
   std::vector<Pair> kept_;
   std::optional<std::vector<Pair>> next_start_;  ///< what is remembered in place of pairs_
   std::set<int64_t> touching_;                   ///< bodies that had friction at the start
-  Damping damping_;
-  int resets_ = 0;                       ///< in this step
+  int resets_ = 0;                               ///< in this step
   std::vector<PotentialBatch> batches_;  ///< of 2 to 6 points, then the anisotropic ones if there are any
   std::vector<PotentialBatch> models_;
   std::vector<Fields> fields_;                ///< of each batch and its model
