@@ -4,7 +4,9 @@ several blocks of elements for others, does not read sets of numbers and names, 
 from __future__ import annotations
 
 import io
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -241,13 +243,16 @@ class _Parts:
         middles = [count + k for k, ends in enumerate(edges) if set(ends) <= set(corners)]
         return nodes[[*corners, *middles]]
 
+    @cached_property
+    def _uses(self) -> Counter[frozenset[int]]:
+        """How many elements have each face, by its corners."""
+        found: Counter[frozenset[int]] = Counter()
+        for k, cells in enumerate(self._read.cells):
+            for corners in _FACES.get(self._solid(k), ()):
+                found.update(map(frozenset, cells.data[:, corners].tolist()))
+        return found
+
     def _is_free(self, block: int, row: int, face: int) -> bool:
         """Whether no other element has the face."""
-        if not hasattr(self, "_uses"):
-            self._uses: dict[frozenset[int], int] = {}
-            for k, cells in enumerate(self._read.cells):
-                for corners in _FACES.get(self._solid(k), ()):
-                    for key in map(frozenset, cells.data[:, corners].tolist()):
-                        self._uses[key] = self._uses.get(key, 0) + 1
         corners = _FACES[self._solid(block)][face]
         return self._uses[frozenset(self._read.cells[block].data[row][list(corners)].tolist())] == 1

@@ -25,6 +25,9 @@ constexpr int kIdleUpdateLimit = 8;
 /// misfits into forces that move.
 constexpr int kIdleLoopLimit = 2;
 
+/// Part of the tolerance from which on misfits are nearly beyond it.
+constexpr double kNearly = 0.9;
+
 double beyond(double value, double zone) {
   return std::copysign(std::max(0.0, std::fabs(value) - zone), value);
 }
@@ -240,13 +243,12 @@ ConstraintSet::Violation ConstraintSet::worst_of_joint(std::span<const double> C
   return worst;
 }
 
-std::vector<ConstraintSet::Violation> ConstraintSet::beyond(std::span<const double> residuals,
-                                                            double part) const {
+std::vector<ConstraintSet::Violation> ConstraintSet::nearly_beyond(std::span<const double> residuals) const {
   std::vector<Violation> result;
   for (int32_t j = 0; j < joint_count_; ++j) {
     if (enabled_[j] == 0.0) continue;
     const Violation violation = worst_of_joint(residuals, j, tolerance_);
-    if (violation.ratio > part) result.push_back(violation);
+    if (violation.ratio > kNearly) result.push_back(violation);
   }
   std::ranges::stable_sort(result, std::ranges::greater{}, &Violation::ratio);
   return result;

@@ -108,8 +108,9 @@ class ConstraintSet {
     return worst_of(residuals(x), enabled, tolerance);
   }
 
-  /// The worst of each joint of which these residuals are more than `part` of the tolerance, the worst first.
-  std::vector<Violation> beyond(std::span<const double> residuals, double part) const;
+  /// The worst of each joint of which these residuals are more than nine tenths of the tolerance, the worst
+  /// first.
+  std::vector<Violation> nearly_beyond(std::span<const double> residuals) const;
 
   /// Residuals or coordinates at x, in the order of groups and elements.
   std::vector<double> residuals(std::span<const Vec3> x) const;

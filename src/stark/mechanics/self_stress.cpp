@@ -15,8 +15,6 @@ constexpr double kHeld = 1e-8;
 constexpr int kPasses = 2;
 /// Independent rows that a constraint of two frames has at most.
 constexpr size_t kMostRows = 6;
-/// Misfit over its tolerance from which on a loop that may break does not fit.
-constexpr double kNearly = 0.9;
 /// Largest motion of the differences that residuals are compared over [m, rad].
 constexpr double kProbe = 1e-5;
 
@@ -131,7 +129,7 @@ std::vector<bool> SelfStress::members_of(const std::vector<bool>& rows) const {
 
 std::vector<bool> SelfStress::torn(std::span<const double> misfits, const std::vector<bool>& acts) const {
   std::vector<bool> rows(acts.size());
-  const std::vector<ConstraintSet::Violation> beyond = constraints_.beyond(misfits, kNearly);
+  const std::vector<ConstraintSet::Violation> beyond = constraints_.nearly_beyond(misfits);
   if (beyond.empty()) return rows;
   const std::vector<bool> members = members_of(acts);
   std::vector<bool> tight(members_.size());

@@ -38,8 +38,7 @@ constexpr int kPasses = 100;  ///< of handing stiffness on from body to body
 constexpr double kLinear = 0.01, kAngular = 0.1;
 constexpr double kSmallLength = 1e-10, kSmallAngle = 1e-9;
 
-/// Misfit of a loop over the tolerance from which on steps say so, and how many joints they name.
-constexpr double kNearly = 0.9;
+/// Joints that are named of a loop which does not fit.
 constexpr size_t kNamed = 3;
 
 /// Residuals that make the error of a reaction less than its mass times these accelerations, in a step of h.
@@ -180,7 +179,7 @@ std::string StepJoints::misfit_text() const { return misfit_text(potential_.end_
 
 std::string StepJoints::misfit_text(std::span<const double> misfits) const {
   if (misfits.empty()) return "";
-  const std::vector<ConstraintSet::Violation> off = energies_.constraints.beyond(misfits, kNearly);
+  const std::vector<ConstraintSet::Violation> off = energies_.constraints.nearly_beyond(misfits);
   if (off.empty()) return "";
   std::string names;
   for (size_t k = 0; k < std::min(kNamed, off.size()); ++k)
@@ -244,17 +243,18 @@ std::string StepJoints::name_of(int32_t constraint) const {
         std::ranges::upper_bound(model_.attachments(), constraint, {}, &ModelAttachment::first_constraint);
     const auto k = static_cast<size_t>(after - model_.attachments().begin()) - 1;
     return "attachment '" + scene_.attachments()[k].name + "', pair " +
-           std::to_string(constraint - model_.attachments()[k].first_constraint) + ",";
+           std::to_string(constraint - model_.attachments()[k].first_constraint);
   }
   if (constraint >= joints) return "actuator '" + scene_.actuators()[constraint - joints].name + "'";
   return "joint '" + scene_.joints()[constraint].name + "'";
 }
 
 std::string StepJoints::text_of(const ConstraintSet::Violation& worst) const {
-  const bool is_of_actuator = worst.joint >= static_cast<int32_t>(scene_.joints().size());
-  return name_of(worst.joint) +
-         (is_of_actuator && !is_of_attachments(worst.joint) ? " is off by " : " is apart by ") +
-         rough_text(worst.residual, unit_of(worst.unit));
+  const bool is_of_joint = worst.joint < static_cast<int32_t>(scene_.joints().size());
+  const char* verb = is_of_attachments(worst.joint) ? ", is apart by "
+                     : is_of_joint                  ? " is apart by "
+                                                    : " is off by ";
+  return name_of(worst.joint) + verb + rough_text(worst.residual, unit_of(worst.unit));
 }
 
 bool StepJoints::is_of_attachments(int32_t constraint) const {

@@ -65,7 +65,7 @@ class StepJoints : private StepPart {
   /// Joints, actuators and attachments are numbered one after the other.
   bool is_of_actuators(const ConstraintGroup& group) const;
   std::string misfit_text(std::span<const double> misfits) const;
-  /// "joint 'knee'".
+  /// "joint 'knee'", "attachment 'seam', pair 3".
   std::string name_of(int32_t constraint) const;
   /// "joint 'knee' is apart by 0.1 m".
   std::string text_of(const ConstraintSet::Violation& worst) const;

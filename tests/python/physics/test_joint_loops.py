@@ -84,6 +84,19 @@ def test_a_loop_that_does_not_fit_says_so_before_it_jams(step: float) -> None:
     assert len(joints) == 2
 
 
+def test_an_attachment_in_a_loop_that_does_not_fit_is_named() -> None:
+    """An eye on a post in place of the upper hinge."""
+    scene = stark.Scene()
+    turning: dict[str, Any] = {"angular_velocity": (0, 0, 1), "velocity": (0, 0.4, 0)}
+    leaf = scene.add_box((0.8, 0.04, 2.0), mass=6.4, position=(0.4, 0, 1), **turning)
+    post = scene.add_box((0.05, 0.05, 0.05), motion="fixed", position=(-0.2, 0, 1.8))
+    scene.add_hinge(None, leaf, (0, 0, 0.2), (0, np.sin(2 * TILT), np.cos(2 * TILT)))
+    scene.attach(leaf.points((-0.4, 0, 0.8)), post.points((0.2, 0, 0)), name="eye")
+    report = next(r for r in simulate(scene, 1e-3).run(until=1.6) if r.caveats)
+    assert report.caveats == ["misfit_loop"]
+    assert "a closed loop does not fit: attachment 'eye', pair 0, joint 'hinge', off by " in report.message
+
+
 def test_a_jam_that_fails_is_named() -> None:
     scene, _, _ = door(2 * TILT, speed=3.0)
     sim = simulate(scene, 1e-2)
