@@ -75,10 +75,10 @@ void run_factor(const char* precision, const BlockMatrix& matrix, const std::vec
                 ThreadPool& pool) {
   Cholesky<Real> cholesky;
   std::vector<double> x(b.size());
-  const double first = best_ms(1, [&] { cholesky.analyze(matrix.pattern); });
-  const double symbolic = best_ms(5, [&] { cholesky.analyze(matrix.pattern); });
+  const double first = best_ms(1, [&] { cholesky.analyze(matrix.pattern, pool); });
+  const double symbolic = best_ms(5, [&] { cholesky.analyze(matrix.pattern, pool); });
   const double factor = best_ms(7, [&] { cholesky.factor(matrix, pool); });
-  const double solve = best_ms(5, [&] { cholesky.solve(b.data(), x.data()); });
+  const double solve = best_ms(5, [&] { cholesky.solve(b.data(), x.data(), pool); });
   std::printf(
       "  %s: lnz %.2f M, %.3f Gflop; ordering + symbolic %.1f, symbolic %.2f, factor %.2f (%.1f GF/s), solve "
       "%.2f; "

@@ -1,6 +1,7 @@
 // One contact of a point with each place of a surface: flat, convex and concave ones, borders, rods, names.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <stark/contact/closest_features.h>
@@ -44,8 +45,7 @@ struct PointAgainst {
     builder.x[0] = p;
     std::vector<Contact> contacts;
     find_contacts(geometry, list, builder.x, pool, contacts);
-    merge_by_feature(geometry, cells, names, builder.x, contacts);
-    return contacts;
+    return merge_by_feature(geometry, cells, names, builder.x, contacts, pool);
   }
   double energy(const Vec3& p) {
     double sum = 0.0;
@@ -150,4 +150,46 @@ TEST_CASE("pairs without a part that moves have no contact") {
   CHECK(sheet.at({0.1, 0.05, 0.1}).empty());
   sheet.geometry.prescribed[0] = 0;
   CHECK(sheet.at({0.1, 0.05, 0.1}).size() == 1);
+}
+
+TEST_CASE("many contacts merge in the same way on any number of threads") {
+  SceneBuilder builder;
+  builder.add_mesh(make_grid(1.0, 1.0, 16, 16));
+  builder.add_mesh(make_grid(1.0, 1.0, 13, 13));
+  RandomPoints random(3);
+  for (Vec3& p : builder.x) p += random.point() * 0.01;
+  const int32_t lower = 17 * 17;  // vertices
+  ContactGeometry geometry;
+  geometry.mesh = &builder.surface;
+  geometry.group_distance = {0.04, 0.04};
+  geometry.edge_squared_length.assign(builder.surface.edges.size(), 1.0);
+  CandidateList list;
+  for (int32_t v = 0; v < lower; ++v)
+    for (int32_t t = 0; t < static_cast<int32_t>(builder.surface.triangles.size()); ++t)
+      if (builder.surface.triangles[t][0] >= lower) list[PairKind::PointTriangle].push_back({v, t});
+  const SurfaceCells cells(builder.surface, {});
+  ThreadPool alone(1), several(3);
+  std::vector<Contact> near;
+  find_contacts(geometry, list, builder.x, several, near);
+  REQUIRE(near.size() > 1500);  // several tasks
+  std::vector<PairKey> names;
+  for (size_t c = 0; c < near.size(); c += 3) names.push_back(near[c].key);
+  const auto one = merge_by_feature(geometry, cells, names, builder.x, near, alone);
+  const auto other = merge_by_feature(geometry, cells, names, builder.x, near, several);
+  REQUIRE(one.size() == other.size());
+  for (size_t c = 0; c < one.size(); ++c) {
+    CHECK(one[c].key == other[c].key);
+    CHECK(one[c].sites == other[c].sites);
+    CHECK(one[c].multiplicity == other[c].multiplicity);
+  }
+  // As if there were only those of one point.
+  std::vector<Contact> of_point;
+  for (size_t c = 0; c < near.size(); ++c)
+    if (near[c].key.first == lower / 2) of_point.push_back(near[c]);
+  REQUIRE(!of_point.empty());
+  for (const Contact& alone_contact : merge_by_feature(geometry, cells, names, builder.x, of_point, alone)) {
+    const auto found = std::ranges::find(one, alone_contact.key, &Contact::key);
+    REQUIRE(found != one.end());
+    CHECK(found->multiplicity == alone_contact.multiplicity);
+  }
 }

@@ -37,6 +37,7 @@ struct Sheets {
   SceneBuilder builder;
   std::vector<double> distance{0.01, 0.03};
   ContactLaw law;
+  ThreadPool pool{1};
 };
 
 double pressure(const BodyStiffness& a, const BodyStiffness& b) { return Sheets({a, b}).law.pressure(0, 1); }
@@ -70,7 +71,7 @@ TEST_CASE("the force of a contact is the pressure on its area") {
     sheets.builder.x[37].z = gap;
     std::vector<Contact> contacts{sheets.middle(gap)};
     sheets.law.begin_step();
-    sheets.law.assign(sheets.builder.surface, sheets.builder.x, contacts);
+    sheets.law.assign(sheets.builder.surface, sheets.builder.x, sheets.pool, contacts);
     // Both sheets are alike, so each integrates half of it.
     CHECK(contacts[0].stiffness * -barrier_slope(gap, 0.04) ==
           doctest::Approx(100.0 * relative_pressure(gap / 0.04) * 0.5 * 0.0625));
@@ -89,7 +90,7 @@ TEST_CASE("all contacts of a vertex with a body have the same part of a spent la
     contacts[1].sites[1] = 38;
     x[37] = x[12] + Vec3{0, 0, 0.02};
     x[38] = x[12] + (beside ? Vec3{0.02, 0, 0} : Vec3{0.001, 0, 0.02});
-    sheets.law.assign(sheets.builder.surface, x, contacts);
+    sheets.law.assign(sheets.builder.surface, x, sheets.pool, contacts);
     CHECK(contacts[0].stiffness == contacts[1].stiffness);
     return contacts[0].stiffness;
   };
@@ -103,7 +104,7 @@ TEST_CASE("a load that lasts makes contact stiffer, an impact does not") {
   const auto step = [&](double times, double duration) {
     sheets.law.begin_step(memory);
     std::vector<Contact> contacts{sheets.middle(0.004)};
-    sheets.law.assign(sheets.builder.surface, sheets.builder.x, contacts);
+    sheets.law.assign(sheets.builder.surface, sheets.builder.x, sheets.pool, contacts);
     const double natural = contacts[0].stiffness / memory.find(code);
     const Vec3 force{0, 0, times * natural * -barrier_slope(0.004, 0.04)};
     memory = sheets.law.end_step(contacts, std::vector<Vec3>{force}, duration);
@@ -128,14 +129,14 @@ TEST_CASE(
   Sheets sheets({{100.0, true}, {100.0}});
   std::vector<Contact> contacts{sheets.middle(0.004)};
   sheets.law.begin_step();
-  sheets.law.assign(sheets.builder.surface, sheets.builder.x, contacts);
+  sheets.law.assign(sheets.builder.surface, sheets.builder.x, sheets.pool, contacts);
   const std::vector<Vec3> forces{{0, 0, 100.0 * contacts[0].stiffness}};
   CHECK(sheets.law.end_step(contacts, forces, 100.0).bodies.empty());
   const LoadMemory raised = sheets.law.raised(contacts, forces);
   CHECK(raised.find(group_code(0, 1)) > 100.0);
   sheets.law.begin_step(raised);
   std::vector<Contact> again{sheets.middle(0.004)};
-  sheets.law.assign(sheets.builder.surface, sheets.builder.x, again);
+  sheets.law.assign(sheets.builder.surface, sheets.builder.x, sheets.pool, again);
   CHECK(again[0].stiffness > 100.0 * contacts[0].stiffness);
   CHECK(sheets.law.end_step(again, forces, 1.0).bodies.empty());
 }
@@ -148,7 +149,7 @@ TEST_CASE("raised contact stores no more than a thousand times what all contact 
   before.add(code, 2.0);
   now.add(code, 8.0);  // raised once already
   sheets.law.begin_step(now);
-  sheets.law.assign(sheets.builder.surface, sheets.builder.x, contacts);
+  sheets.law.assign(sheets.builder.surface, sheets.builder.x, sheets.pool, contacts);
   const std::vector<Vec3> forces{{0, 0, 1e6 * contacts[0].stiffness}};
   const auto most = sheets.law.highest_factors(contacts, {0.4}, before);
   CHECK(most.at(code) == doctest::Approx(2e3));  // 0.1 J before the step, 100 J with it

@@ -32,7 +32,9 @@ Contact contact_of(int points) {
 
 double coefficient(int32_t a, int32_t b) { return a == 1 && b == 2 ? kMu : 1e9; }
 
-FrictionSet make_set() { return {contact_potentials().friction, kStick}; }
+ThreadPool pool{2};
+
+FrictionSet make_set() { return {contact_potentials().friction, kStick, pool}; }
 
 /// The first point is against the triangle of the others, or a part of it.
 const SurfaceMesh& mesh() {
@@ -331,7 +333,7 @@ FrictionSet make_anisotropic_set() {
   static const SurfaceMesh grouped{
       .vertex_count = 4, .triangles = {{1, 2, 3}}, .vertex_group = {1, 2, 2, 2}, .triangle_group = {2}};
   const TangentComponents along_x = tangent_components({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0});
-  FrictionSet set{contact_potentials().friction, kStick, SurfaceDirections(grouped, {along_x})};
+  FrictionSet set{contact_potentials().friction, kStick, pool, SurfaceDirections(grouped, {along_x})};
   const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   set.begin_step(grouped, {}, start, {start, 1.0});
   Contact contact = contact_of(4);

@@ -72,9 +72,9 @@ struct Bench {
       for (int32_t b = a + 1; b < mesh.vertex_count; ++b) all[PairKind::PointPoint].push_back({a, b});
     std::vector<Contact> contacts;
     find_contacts(geometry, all, x, pool, contacts);
-    merge_by_feature(geometry, cells, pipeline->names(), x, contacts);
+    contacts = merge_by_feature(geometry, cells, pipeline->names(), x, contacts, pool);
     ContactLaw law = pipeline->law();
-    law.assign(builder.surface, x, contacts);
+    law.assign(builder.surface, x, pool, contacts);
     merge_equal_stencils(x, contacts);
     return contacts;
   }
@@ -182,7 +182,7 @@ TEST_CASE("energy differences of trial points agree with brute force, near and f
     fill(set_b, b);  // with the areas that the pipeline saw first
     const EnergyDifference expected = energy_difference(set_a, set_b);
     // Friction, lagged at a, adds its own part; its elements are the last batches.
-    FrictionSet friction(contact_potentials().friction, kStickDisplacement);
+    FrictionSet friction(contact_potentials().friction, kStickDisplacement, bench.pool);
     std::vector<Vec3> forces;
     set_a.evaluate_forces(a, forces);
     for (size_t c = 0; c < forces.size(); ++c)

@@ -46,11 +46,12 @@ double dense_flops(const std::vector<std::set<int32_t>>& columns) {
 }  // namespace
 
 TEST_CASE("elimination: the assembly tree holds exactly the fill of its order, apart from amalgamation") {
+  ThreadPool pool(1);
   for (const test::GraphCase& c : test::ordering_cases()) {
     if (c.block_count > 700) continue;
     CAPTURE(c.name);
     const BlockPattern pattern = BlockPattern::from_pairs(c.block_count, c.pairs);
-    const std::vector<int32_t> order = fill_reducing_order(AdjacencyGraph::from_pattern(pattern));
+    const std::vector<int32_t> order = fill_reducing_order(AdjacencyGraph::from_pattern(pattern), pool);
     SymbolicFactorization symbolic;
     AssemblyTree tree;
     symbolic.analyze(pattern, order, 12, tree);

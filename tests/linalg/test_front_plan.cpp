@@ -20,6 +20,7 @@ int64_t update_size(const AssemblyTree& tree, int32_t s, int strip) {
 }  // namespace
 
 TEST_CASE("front plan: every supernode once, live update matrices disjoint and inside their arena") {
+  ThreadPool pool(1);
   std::vector<test::GraphCase> cases = test::ordering_cases();
   int32_t count = 0;
   const test::Pairs solid = test::solid_pairs(7, count);
@@ -31,7 +32,7 @@ TEST_CASE("front plan: every supernode once, live update matrices disjoint and i
     const BlockPattern pattern = BlockPattern::from_pairs(c.block_count, c.pairs);
     SymbolicFactorization symbolic;
     AssemblyTree tree;
-    symbolic.analyze(pattern, fill_reducing_order(AdjacencyGraph::from_pattern(pattern)), strip, tree);
+    symbolic.analyze(pattern, fill_reducing_order(AdjacencyGraph::from_pattern(pattern), pool), strip, tree);
     FrontPlan plan;
     plan.build(tree, strip, 4);
     std::vector<int32_t> sequence;

@@ -1,6 +1,7 @@
 #include <stark/contact/candidate_search.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -49,7 +50,6 @@ struct CandidateSearch::Implementation {
   std::vector<double> separation{};  ///< by group [m]
   CandidateList on_way{}, found{}, found_distant{};
   std::vector<uint8_t> moved{}, moved_in_trial{};
-  std::vector<PrimitivePair> still{};
   ContactCounters counters{};
 
   const SurfaceMesh& mesh() const { return broad_phase.mesh(); }
@@ -152,13 +152,26 @@ void CandidateSearch::Implementation::part_edges(std::span<const Vec3> x) {
 void CandidateSearch::Implementation::merge(const CandidateList& base, const CandidateList& anew,
                                             std::span<const uint8_t> marked, CandidateList& out) {
   for_each_pair_kind([&](auto kind) {
-    still.clear();
-    std::ranges::copy_if(base[kind], std::back_inserter(still), [&](const PrimitivePair& pair) {
+    const std::vector<PrimitivePair>&old = base[kind], &found_anew = anew[kind];
+    const auto is_still = [&](const PrimitivePair& pair) {
       return std::ranges::none_of(PairRow<kind.value>::vertices(mesh(), pair),
                                   [&](int32_t site) { return marked[site] != 0; });
+    };
+    const int64_t tasks = std::max<int64_t>((std::ssize(old) + kPairsPerTask - 1) / kPairsPerTask, 1);
+    std::vector<std::vector<PrimitivePair>> parts(tasks);
+    pool.for_each_task(tasks, [&](int64_t task, int) {
+      const auto begin = old.begin() + task * kPairsPerTask;
+      const auto end = task + 1 < tasks ? begin + kPairsPerTask : old.end();
+      const auto from = task == 0 ? found_anew.begin() : std::ranges::lower_bound(found_anew, *begin);
+      const auto to = task + 1 < tasks ? std::ranges::lower_bound(found_anew, *end) : found_anew.end();
+      std::vector<PrimitivePair> still;
+      still.reserve(end - begin);
+      std::copy_if(begin, end, std::back_inserter(still), is_still);
+      parts[task].resize(still.size() + (to - from));
+      std::merge(still.begin(), still.end(), from, to, parts[task].begin());
     });
-    out[kind].resize(still.size() + anew[kind].size());
-    std::ranges::merge(still, anew[kind], out[kind].begin());
+    out[kind].clear();
+    for (const auto& part : parts) out[kind].insert(out[kind].end(), part.begin(), part.end());
   });
 }
 

@@ -15,6 +15,8 @@ namespace {
 /// Distance between closest points over the contact distance below which they are one.
 constexpr double kSamePlace = 1e-8;
 
+constexpr size_t kContactsPerTask = 512;
+
 /// Mollifier of a pair of edges below which it has no energy worth a stencil.
 constexpr double kParallel = 1e-9;
 
@@ -43,6 +45,15 @@ struct Term {
   Vec3 place;                  ///< of the closest point [m]
 };
 
+/// What becomes of some contacts: those that cells name, and those beside them.
+struct Merged {
+  std::vector<Contact> named, other;
+
+  void add(const Contact& contact) {
+    (contact.key.kind == PairKey::kOther ? other : named).push_back(contact);
+  }
+};
+
 /// A vertex with a part of its coefficient.
 struct Corner {
   int32_t vertex, part;
@@ -63,7 +74,7 @@ class PointContacts {
       : geometry_(geometry), cells_(cells), names_(names), x_(x) {}
 
   /// Merges the contacts of one point with one body.
-  void append_to(std::span<const Contact> raw, std::vector<Contact>& out) {
+  void append_to(std::span<const Contact> raw, Merged& out) {
     raw_ = raw;
     term_count_ = 0;
     all_edges_.clear();
@@ -79,7 +90,7 @@ class PointContacts {
     join_places();
     std::erase_if(order_, [](const Term* term) { return term->contact.multiplicity == 0; });
     name();
-    for (const Term* term : order_) out.push_back(term->contact);
+    for (const Term* term : order_) out.add(term->contact);
   }
 
  private:
@@ -312,6 +323,56 @@ bool is_prescribed(const ContactGeometry& geometry, const PairKey& key) {
   return fixed(first_kind(key.kind), key.first) && fixed(second_kind(key.kind), key.second);
 }
 
+/// Contacts of a point with one body, which are merged together.
+bool is_of_surface(const Contact& contact) {
+  return contact.key.kind == PairKind::PointTriangle || contact.key.kind == PairKind::PointEdge;
+}
+bool are_of_same_surface(const Contact& a, const Contact& b) {
+  return is_of_surface(a) && a.key.kind == b.key.kind && a.key.first == b.key.first && a.group_b == b.group_b;
+}
+
+void sort_by_key(std::vector<Contact>& contacts) {
+  if (!std::ranges::is_sorted(contacts, {}, &Contact::key))  // a sort takes memory
+    std::ranges::stable_sort(contacts, {}, &Contact::key);
+}
+
+/// Merges the contacts of a range that has all or none of a point with a body.
+void merge_range(const ContactGeometry& geometry, std::span<const PairKey> names,
+                 std::span<const Contact> near, PointContacts& merger, Merged& out) {
+  std::vector<Contact> group;
+  for (size_t i = 0; i < near.size();) {
+    group.clear();
+    const size_t first = i;
+    do {
+      if (geometry.prescribed.empty() || !is_prescribed(geometry, near[i].key)) group.push_back(near[i]);
+    } while (++i < near.size() && are_of_same_surface(near[first], near[i]));
+    if (group.empty()) continue;
+    // Of one cell in range there is nothing to take away.
+    const auto is_named = [&] { return names.empty() || std::ranges::binary_search(names, group[0].key); };
+    if (!is_of_surface(group[0]) || (group.size() == 1 && is_named()))
+      out.named.push_back(group[0]);
+    else
+      merger.append_to(group, out);
+  }
+  sort_by_key(out.named);
+}
+
+/// One after the other.
+std::vector<Contact> joined(std::vector<Merged>& parts) {
+  size_t count = 0;
+  for (const Merged& part : parts) count += part.named.size() + part.other.size();
+  std::vector<Contact> all = std::move(parts.front().named), other = std::move(parts.front().other);
+  all.reserve(count);
+  for (size_t k = 1; k < parts.size(); ++k) {
+    all.insert(all.end(), parts[k].named.begin(), parts[k].named.end());
+    other.insert(other.end(), parts[k].other.begin(), parts[k].other.end());
+  }
+  sort_by_key(other);
+  all.insert(all.end(), other.begin(), other.end());
+  sort_by_key(all);
+  return all;
+}
+
 }  // namespace
 
 SurfaceCells::SurfaceCells(const SurfaceMesh& mesh, std::span<const int32_t> face) {
@@ -409,34 +470,23 @@ void merge_equal_stencils(std::span<const Vec3> x, std::vector<Contact>& contact
   contacts.resize(count);
 }
 
-void merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells,
-                      std::span<const PairKey> names, std::span<const Vec3> x,
-                      std::vector<Contact>& contacts) {
-  if (!geometry.prescribed.empty())
-    std::erase_if(contacts, [&](const Contact& c) { return is_prescribed(geometry, c.key); });
-  std::vector<Contact> merged;
-  merged.reserve(contacts.size());
-  PointContacts merger(geometry, cells, names, x);
-  const auto same_surface = [](const Contact& a, const Contact& b) {
-    return a.key.kind == b.key.kind && a.key.first == b.key.first && a.group_b == b.group_b;
+std::vector<Contact> merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells,
+                                      std::span<const PairKey> names, std::span<const Vec3> x,
+                                      std::span<const Contact> near, ThreadPool& pool) {
+  std::vector<PointContacts> mergers(pool.thread_count(), PointContacts(geometry, cells, names, x));
+  const auto tasks = static_cast<int64_t>(near.size() / kContactsPerTask + 1);
+  // Tasks end where the contacts of a point with a body do.
+  const auto begin_of = [&](int64_t task) {
+    size_t at = std::min(task * kContactsPerTask, near.size());
+    while (task > 0 && at < near.size() && are_of_same_surface(near[at - 1], near[at])) ++at;
+    return at;
   };
-  for (size_t i = 0, end = 0; i < contacts.size(); i = end) {
-    end = i + 1;
-    if (contacts[i].key.kind != PairKind::PointTriangle && contacts[i].key.kind != PairKind::PointEdge) {
-      merged.push_back(contacts[i]);
-      continue;
-    }
-    while (end < contacts.size() && same_surface(contacts[i], contacts[end])) ++end;
-    const bool is_named = names.empty() || std::ranges::binary_search(names, contacts[i].key);
-    if (end == i + 1 && is_named) {  // one cell in range: nothing to take away
-      merged.push_back(contacts[i]);
-      continue;
-    }
-    merger.append_to(std::span(contacts).subspan(i, end - i), merged);
-  }
-  contacts = std::move(merged);
-  if (!std::ranges::is_sorted(contacts, {}, &Contact::key))  // a sort takes memory
-    std::ranges::stable_sort(contacts, {}, &Contact::key);
+  std::vector<Merged> parts(tasks);
+  pool.for_each_task(tasks, [&](int64_t task, int thread) {
+    const size_t begin = begin_of(task), end = begin_of(task + 1);
+    merge_range(geometry, names, near.subspan(begin, end - begin), mergers[thread], parts[task]);
+  });
+  return joined(parts);
 }
 
 }  // namespace stark

@@ -35,12 +35,12 @@ class SurfaceCells {
   std::vector<Index2> edges_;
 };
 
-/// Merges contacts as find_contacts() gives them, and drops those between primitives that are prescribed
-/// altogether, whose motion no force changes. names: pairs that contacts were known by, sorted; a contact
-/// that has slid to the next triangle keeps its name, so that friction remembers it. Sorted by key.
-void merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells,
-                      std::span<const PairKey> names, std::span<const Vec3> x,
-                      std::vector<Contact>& contacts);
+/// Merges contacts `near` as find_contacts() gives them, and drops those between primitives that are
+/// prescribed altogether, whose motion no force changes. names: pairs that contacts were known by, sorted; a
+/// contact that has slid to the next triangle keeps its name, so that friction remembers it. Sorted by key.
+std::vector<Contact> merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells,
+                                      std::span<const PairKey> names, std::span<const Vec3> x,
+                                      std::span<const Contact> near, ThreadPool& pool);
 
 /// Merges pairs of edges that are nearest at the same ends into one with the sum of their stiffness, and
 /// drops those that are parallel, which have no energy.

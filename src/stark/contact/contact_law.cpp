@@ -44,6 +44,8 @@ double next_factor(double factor, double wanted, double duration) {
   return next > kStart / kEnough ? next : 0.0;
 }
 
+constexpr int64_t kContactsPerTask = 1024;
+
 int64_t code_of(const Contact& contact) { return group_code(contact.group_a, contact.group_b); }
 
 /// Pairs of edges, or vertices with all of a body, which have one area.
@@ -130,21 +132,24 @@ void ContactLaw::freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x,
       frozen_[code] = areas_.area(mesh, *contact, normalized(gap_vector(*contact, x)), x);
 }
 
-void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts) {
+void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, ThreadPool& pool,
+                        std::vector<Contact>& contacts) {
   freeze_areas(mesh, x, contacts);
   freeze_left(x, contacts);
-  int64_t bodies = -1;
-  double pressure = 0.0;  // of these bodies, under their load
-  for (Contact& contact : contacts) {
-    if (const int64_t code = code_of(contact); code != bodies) {
-      bodies = code;
-      pressure = this->pressure(contact.group_a, contact.group_b) * memory_.find(code);
+  pool.for_each_range(std::ssize(contacts), kContactsPerTask, [&](int64_t begin, int64_t end) {
+    int64_t bodies = -1;
+    double pressure = 0.0;  // of these bodies, under their load
+    for (Contact& contact : std::span(contacts).subspan(begin, end - begin)) {
+      if (const int64_t code = code_of(contact); code != bodies) {
+        bodies = code;
+        pressure = this->pressure(contact.group_a, contact.group_b) * memory_.find(code);
+      }
+      const double area = areas_.is_directed(contact) ? frozen_.at(area_code(contact))
+                                                      : areas_.area(mesh, contact, Vec3{}, x);
+      contact.stiffness = contact.multiplicity * area * pressure / (kMiddleSlope * contact.contact_distance);
+      if (!left_.empty()) contact.stiffness *= left(contact);
     }
-    const double area =
-        areas_.is_directed(contact) ? frozen_.at(area_code(contact)) : areas_.area(mesh, contact, Vec3{}, x);
-    contact.stiffness = contact.multiplicity * area * pressure / (kMiddleSlope * contact.contact_distance);
-    if (!left_.empty()) contact.stiffness *= left(contact);
-  }
+  });
 }
 
 std::map<int64_t, double> ContactLaw::wanted(const std::vector<Contact>& contacts,

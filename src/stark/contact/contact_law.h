@@ -59,7 +59,8 @@ class ContactLaw {
 
   /// Sets the stiffness of each contact at x. Areas that depend on the normal are those of the first contact
   /// in the step of a vertex with a body, or of two edges. mesh: see PairKey.
-  void assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts);
+  void assign(const SurfaceMesh& mesh, std::span<const Vec3> x, ThreadPool& pool,
+              std::vector<Contact>& contacts);
 
   const AreaWeights& areas() const { return areas_; }
   /// Pressure at half of the contact distance of two bodies, without the factor of their load [Pa].

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kParallelFactor =
     1e-3;  ///< mollify below this times |e_a|^2 |e_b|^2 of the rest shape [Li 2020]
-constexpr int64_t kCandidatesPerTask = 2048;
+constexpr int64_t kCandidatesPerTask = 512, kContactsPerTask = 1024, kBlocksPerTask = 32;
 
 /// Where barriers are infinite, over the distance that collision detection keeps: the force there is 10^4
 /// times that at half the contact distance, and what pushes harder is blocked instead of pushed to rounding.
@@ -275,30 +275,32 @@ ContactSet::ContactSet(const std::array<std::shared_ptr<const Potential>, kStenc
 
 void ContactSet::reset(std::vector<Contact> contacts) {
   contacts_ = std::move(contacts);
-  std::vector<int32_t> stencils;
-  stencils.reserve(4 * contacts_.size());
-  for (int kind = 0; kind < kStencilKindCount; ++kind) {
-    stencils.clear();
-    contact_of_[kind].clear();
-    for (size_t c = 0; c < contacts_.size(); ++c) {
-      if (static_cast<int>(contacts_[c].kind) != kind) continue;
-      stencils.insert(stencils.end(), contacts_[c].sites.begin(),
-                      contacts_[c].sites.begin() + contacts_[c].point_count);
-      contact_of_[kind].push_back(static_cast<int64_t>(c));
-    }
-    PotentialBatch& batch = batches_[kind];
-    batch.resize(stencils);
-    const Fields& fields = fields_[kind];
-    for (int64_t e = 0; e < batch.size(); ++e) {
-      const Contact& contact = contacts_[contact_of_[kind][e]];
-      const double weighted = contact.stiffness * weight_;
-      batch.set(fields.stiffness, e, {&weighted, 1});
-      batch.set(fields.distance, e, {&contact.contact_distance, 1});
-      batch.set(fields.least_distance, e, {&contact.least_distance, 1});
-      if (fields.parallel_threshold >= 0)
-        batch.set(fields.parallel_threshold, e, {&contact.parallel_threshold, 1});
-    }
+  std::vector<std::vector<int32_t>> stencils(kStencilKindCount);
+  for (auto& numbers : contact_of_) numbers.clear();
+  for (size_t c = 0; c < contacts_.size(); ++c) {
+    const auto kind = static_cast<size_t>(contacts_[c].kind);
+    const auto sites = contacts_[c].sites.begin();
+    stencils[kind].insert(stencils[kind].end(), sites, sites + contacts_[c].point_count);
+    contact_of_[kind].push_back(static_cast<int64_t>(c));
   }
+  for (int kind = 0; kind < kStencilKindCount; ++kind) {
+    batches_[kind].resize(stencils[kind]);
+    pool_.for_each_range(batches_[kind].size(), kContactsPerTask, [&](int64_t begin, int64_t end) {
+      for (int64_t e = begin; e < end; ++e) set_fields(kind, e);
+    });
+  }
+}
+
+void ContactSet::set_fields(int kind, int64_t e) {
+  const Contact& contact = contacts_[contact_of_[kind][e]];
+  PotentialBatch& batch = batches_[kind];
+  const Fields& fields = fields_[kind];
+  const double weighted = contact.stiffness * weight_;
+  batch.set(fields.stiffness, e, {&weighted, 1});
+  batch.set(fields.distance, e, {&contact.contact_distance, 1});
+  batch.set(fields.least_distance, e, {&contact.least_distance, 1});
+  if (fields.parallel_threshold >= 0)
+    batch.set(fields.parallel_threshold, e, {&contact.parallel_threshold, 1});
 }
 
 void ContactSet::swap(ContactSet& other) {
@@ -324,7 +326,7 @@ const std::vector<double>& ContactSet::evaluate_energies(std::span<const Vec3> x
     const PotentialBatch& batch = batches_[kind];
     if (batch.size() == 0) continue;
     out.resize(batch.block_count() * kLanes);
-    pool_.for_each_range(batch.block_count(), 32, [&](int64_t first, int64_t last) {
+    pool_.for_each_range(batch.block_count(), kBlocksPerTask, [&](int64_t first, int64_t last) {
       batch.evaluate(Order::Energy, x, first, last, out.data() + first * kLanes);
     });
     for (int64_t e = 0; e < batch.size(); ++e) energies_[contact_of_[kind][e]] = out[e];
@@ -340,7 +342,9 @@ void ContactSet::evaluate_forces(std::span<const Vec3> x, std::vector<Vec3>& out
     if (batch.size() == 0) continue;
     const int outputs = batch.potential().kernel().output_count(Order::Gradient);
     out.resize(batch.block_count() * outputs * kLanes);
-    batch.evaluate(Order::Gradient, x, 0, batch.block_count(), out.data());
+    pool_.for_each_range(batch.block_count(), kBlocksPerTask, [&](int64_t first, int64_t last) {
+      batch.evaluate(Order::Gradient, x, first, last, out.data() + first * outputs * kLanes);
+    });
     for (int64_t e = 0; e < batch.size(); ++e) {
       const int64_t c = contact_of_[kind][e];
       const double* lane = out.data() + (e / kLanes) * outputs * kLanes + e % kLanes;

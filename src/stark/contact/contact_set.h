@@ -155,6 +155,8 @@ class ContactSet {
   void evaluate_forces(std::span<const Vec3> x, std::vector<Vec3>& out) const;
 
  private:
+  void set_fields(int kind, int64_t element);
+
   /// Numbers of the fields of a batch; without a threshold -1.
   struct Fields {
     int stiffness, distance, least_distance, parallel_threshold;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -13,6 +14,8 @@ using symbolic::kLanes;
 using symbolic::Order;
 
 namespace {
+
+constexpr int64_t kPairsPerTask = 256;
 
 /// Resets of a step after which pairs keep their tangent planes and closest points.
 constexpr int kGeometryResets = 2;
@@ -64,9 +67,9 @@ FrictionSet::Fields::Fields(const PotentialBatch& batch, bool is_anisotropic)
   }
 }
 
-FrictionSet::FrictionSet(const FrictionPotentials& potentials, double stick_displacement,
+FrictionSet::FrictionSet(const FrictionPotentials& potentials, double stick_displacement, ThreadPool& pool,
                          SurfaceDirections directions)
-    : stick_displacement_(stick_displacement), directions_(std::move(directions)) {
+    : stick_displacement_(stick_displacement), pool_(pool), directions_(std::move(directions)) {
   const auto add = [&](const std::shared_ptr<const Potential>& potential) {
     if (potential == nullptr) return;
     batches_.emplace_back(potential).set_uniform("is_model", 0.0);
@@ -198,16 +201,23 @@ std::vector<FrictionSet::Pair> FrictionSet::make_pairs(const std::vector<Contact
                                                        std::span<const Vec3> forces,
                                                        const FrictionTable& coefficient,
                                                        std::span<const Vec3> x) const {
-  std::vector<Pair> pairs;
+  const int64_t count = std::ssize(contacts);
+  std::vector<std::vector<Pair>> parts((count + kPairsPerTask - 1) / kPairsPerTask);
+  pool_.for_each_range(count, kPairsPerTask, [&](int64_t begin, int64_t end) {
+    std::vector<Pair>& part = parts[begin / kPairsPerTask];
+    PressedAreas areas;
+    for (int64_t c = begin; c < end; ++c) {
+      const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
+      if (!(mu.sticking > 0.0) || !(norm(forces[c]) > 0.0)) continue;
+      Pair pair = make_pair(contacts[c], mu, forces[c], x, areas);
+      pair.limit = (pair.slides ? mu.sliding : mu.sticking) * pair.force;
+      part.push_back(std::move(pair));
+    }
+  });
+  if (parts.empty()) return {};
+  std::vector<Pair> pairs = std::move(parts.front());
   pairs.reserve(contacts.size());
-  PressedAreas areas;
-  for (size_t c = 0; c < contacts.size(); ++c) {
-    const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
-    if (!(mu.sticking > 0.0) || !(norm(forces[c]) > 0.0)) continue;
-    Pair pair = make_pair(contacts[c], mu, forces[c], x, areas);
-    pair.limit = (pair.slides ? mu.sliding : mu.sticking) * pair.force;
-    pairs.push_back(std::move(pair));
-  }
+  for (size_t k = 1; k < parts.size(); ++k) std::ranges::move(parts[k], std::back_inserter(pairs));
   return pairs;
 }
 
@@ -356,26 +366,28 @@ std::vector<const PotentialBatch*> FrictionSet::non_empty(const std::vector<Pote
 }
 
 std::vector<const PotentialBatch*> FrictionSet::models(std::span<const Vec3> x) {
-  for (size_t k = 0; k < models_.size(); ++k) {
-    PotentialBatch& batch = models_[k];
-    if (batch.size() == 0) continue;
-    const Fields& fields = fields_[k];
-    for (int64_t e = 0; e < batch.size(); ++e) {
-      Pair& pair = pairs_[members_[k][e]];
-      const Vec3 u = deflection(pair, x) / reference_.scale;
-      update_dual(u, pair);
-      const double y = measure(pair, u), slope = slope_at(y);
-      const Vec3 way = in_metric(pair, y > 0.0 ? u / y : Vec3{}),
-                 pull = in_metric(pair, pair.dual * phi_prime(y));
-      const double p = dot(pull, u), q = dot(way, u);
-      batch.set(fields.slope, e, {&slope, 1});
-      batch.set(fields.pull, e, {&pull.x, 3});
-      batch.set(fields.way, e, {&way.x, 3});
-      batch.set(fields.pull_at_iterate, e, {&p, 1});
-      batch.set(fields.way_at_iterate, e, {&q, 1});
-    }
-  }
+  for (size_t k = 0; k < models_.size(); ++k)
+    pool_.for_each_range(models_[k].size(), kPairsPerTask, [&](int64_t begin, int64_t end) {
+      for (int64_t e = begin; e < end; ++e) set_model(k, e, x);
+    });
   return non_empty(models_);
+}
+
+void FrictionSet::set_model(size_t k, int64_t e, std::span<const Vec3> x) {
+  PotentialBatch& batch = models_[k];
+  const Fields& fields = fields_[k];
+  Pair& pair = pairs_[members_[k][e]];
+  const Vec3 u = deflection(pair, x) / reference_.scale;
+  update_dual(u, pair);
+  const double y = measure(pair, u), slope = slope_at(y);
+  const Vec3 way = in_metric(pair, y > 0.0 ? u / y : Vec3{}),
+             pull = in_metric(pair, pair.dual * phi_prime(y));
+  const double p = dot(pull, u), q = dot(way, u);
+  batch.set(fields.slope, e, {&slope, 1});
+  batch.set(fields.pull, e, {&pull.x, 3});
+  batch.set(fields.way, e, {&way.x, 3});
+  batch.set(fields.pull_at_iterate, e, {&p, 1});
+  batch.set(fields.way_at_iterate, e, {&q, 1});
 }
 
 // With the force as an unknown of its own, phi(|u|) w = u, and a Newton step of this system from the last

@@ -44,7 +44,7 @@ class FrictionSet {
  public:
   /// stick_displacement: deflection of the bristles at which a pair begins to slide [m]; where friction
   /// depends on the direction, in that of the larger coefficient.
-  FrictionSet(const FrictionPotentials& potentials, double stick_displacement,
+  FrictionSet(const FrictionPotentials& potentials, double stick_displacement, ThreadPool& pool,
               SurfaceDirections directions = {});
 
   /// Sites whose bodies are rigid, true by site; none by default.
@@ -174,6 +174,8 @@ class FrictionSet {
   static Vec3 in_metric(const Pair& pair, const Vec3& u);
   /// Takes the dual force on to an iterate with this deflection.
   void update_dual(const Vec3& u, Pair& pair) const;
+  /// Of the element of a model, at site positions x.
+  void set_model(size_t batch, int64_t element, std::span<const Vec3> x);
   /// What LimitComparison sees of pairs.
   static std::vector<FrictionLimit> limits(const std::vector<Pair>& pairs);
   void sort_by_point_count();
@@ -182,6 +184,7 @@ class FrictionSet {
   std::vector<double> energies(std::span<const Vec3> x) const;
 
   double stick_displacement_;  ///< [m]
+  ThreadPool& pool_;
   SurfaceDirections directions_;
   MovingSurfaces moving_;
   std::vector<bool> rigid_sites_;

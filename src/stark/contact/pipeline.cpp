@@ -95,7 +95,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
       rest_positions_(std::move(surfaces.rest_positions)),
       active_(potentials.barriers, pool),
       trial_(potentials.barriers, pool),
-      friction_(potentials.friction, stick_displacement,
+      friction_(potentials.friction, stick_displacement, pool,
                 SurfaceDirections(surfaces.mesh, std::move(surfaces.directions))),
       restitution_(std::move(surfaces.restitution), potentials.restitution) {
   for (const Index2& edge : surfaces.mesh.edges)
@@ -272,9 +272,8 @@ void ContactPipeline::set_filter(PairFilter filter) {
 }
 
 void ContactPipeline::fill(const std::vector<Contact>& near, std::span<const Vec3> x, ContactSet& out) {
-  std::vector<Contact> contacts = near;
-  merge_by_feature(geometry_, cells_, names_, x, contacts);
-  law_.assign(mesh(), x, contacts);
+  std::vector<Contact> contacts = merge_by_feature(geometry_, cells_, names_, x, near, pool_);
+  law_.assign(mesh(), x, pool_, contacts);
   merge_equal_stencils(x, contacts);
   out.reset(std::move(contacts));
   out.evaluate_energies(x);

@@ -39,7 +39,7 @@ AutomaticSolver::AutomaticSolver(const LinearSettings& settings, ThreadPool& poo
 void AutomaticSolver::prepare(const BlockPattern& pattern, std::span<const uint8_t> in_solid) {
   if (pattern.block_count == 0) return;
   pcg_.prepare(pattern, in_solid);
-  direct_.in_double().factor().update(pattern, {});
+  direct_.in_double().analyze(pattern);
   const double n = pattern.block_count, off_diagonal = static_cast<double>(pattern.slot_count()) - n;
   const double flops = cholesky().flops();
   // A factor is written, read by its parents, and read twice by the triangular solves; an iteration reads

@@ -15,7 +15,7 @@ class AutomaticSolver final : public LinearSolver {
 
   void prepare(const BlockPattern& pattern, std::span<const uint8_t> in_solid) override;
   void begin_step() override;
-  const Cholesky<double>& cholesky() { return direct_.in_double().factor().cholesky(); }
+  const Cholesky<double>& cholesky() const { return direct_.in_double().cholesky(); }
 
  protected:
   LinearSolveReport solve_system(const LinearSystem& system, std::span<double> x) override;

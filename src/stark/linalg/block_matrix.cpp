@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 
 #include <stark/base/error.h>
 
 namespace stark {
 
 namespace {
+
+constexpr int64_t kValuesPerTask = 65536;
 
 // Columns of `pairs` (ordered as upper) bucketed by row: rows are unsorted and may hold duplicates.
 struct Buckets {
@@ -123,6 +126,13 @@ uint64_t BlockPattern::hash() const {
 
 void BlockMatrix::set_zero() { values.assign(static_cast<size_t>(pattern.slot_count()) * 9, 0.0); }
 
+void BlockMatrix::set_zero(ThreadPool& pool) {
+  values.resize(static_cast<size_t>(pattern.slot_count()) * 9);
+  pool.for_each_range(std::ssize(values), kValuesPerTask, [&](int64_t begin, int64_t end) {
+    std::fill(values.begin() + begin, values.begin() + end, 0.0);
+  });
+}
+
 void BlockMatrix::multiply(const double* x, double* y, ThreadPool& pool) const {
   const int32_t n = pattern.block_count;
   // Chunks of rows add into private copies of y, summed in chunk order: their number depends on the size
@@ -153,20 +163,22 @@ void BlockMatrix::multiply(const double* x, double* y, ThreadPool& pool) const {
     }
   };
   const int64_t size = 3 * static_cast<int64_t>(n);
-  std::fill(y, y + size, 0.0);
   if (chunks == 1) {
+    std::fill(y, y + size, 0.0);
     multiply_rows(0, n, y);
     return;
   }
-  std::vector<double> partial(static_cast<size_t>(chunks - 1) * size, 0.0);
+  const auto partial = std::make_unique_for_overwrite<double[]>((chunks - 1) * size);
   pool.for_each_task(chunks, [&](int64_t chunk, int) {
     const auto begin = static_cast<int32_t>(chunk * n / chunks),
                end = static_cast<int32_t>((chunk + 1) * n / chunks);
-    multiply_rows(begin, end, chunk == 0 ? y : partial.data() + (chunk - 1) * size);
+    double* const out = chunk == 0 ? y : partial.get() + (chunk - 1) * size;
+    std::fill(out, out + size, 0.0);
+    multiply_rows(begin, end, out);
   });
   pool.for_each_range(size, 4096, [&](int64_t begin, int64_t end) {
     for (int32_t chunk = 0; chunk < chunks - 1; ++chunk) {
-      const double* part = partial.data() + chunk * size;
+      const double* part = partial.get() + chunk * size;
       for (int64_t k = begin; k < end; ++k) y[k] += part[k];
     }
   });

@@ -47,6 +47,7 @@ struct BlockMatrix {
 
   /// Sizes `values` to the pattern and fills it with zeros.
   void set_zero();
+  void set_zero(ThreadPool& pool);
 
   /// y = A x; x and y have 3 * block_count entries and do not overlap.
   void multiply(const double* x, double* y, ThreadPool& pool) const;

@@ -36,6 +36,7 @@ constexpr double kShrinkFactor = 0.95;
 constexpr int64_t kShrinkPatience = 20;
 constexpr int64_t kStripGrain = 4;      // strips of one task in a shared front
 constexpr int64_t kAssemblyGrain = 16;  // child columns of one task when a shared front is assembled
+constexpr int64_t kZerosGrain = 65536;  // entries of one task when a shared front is cleared
 constexpr int32_t kNoFailure = INT32_MAX;
 
 }  // namespace
@@ -98,6 +99,7 @@ int32_t Cholesky<Real>::Implementation::failed_position(int32_t s, const Front<R
 template <typename Real>
 int32_t Cholesky<Real>::Implementation::factor_front(const BlockMatrix& matrix, int32_t s, int thread) {
   const Front<Real> f = front_of(s, thread);
+  std::ranges::fill(f.panel(), Real(0));
   front::load_matrix(f, matrix, entries_of(s));
   const int32_t begin = tree.child_start[s], end = tree.child_start[s + 1];
   Assembly& assembly = assemblies[thread];
@@ -134,6 +136,10 @@ template <typename Real>
 int32_t Cholesky<Real>::Implementation::factor_shared_front(const BlockMatrix& matrix, int32_t s,
                                                             ThreadPool& pool) {
   const Front<Real> f = front_of(s, 0);
+  const std::span<Real> panel = f.panel();
+  pool.for_each_range(std::ssize(panel), kZerosGrain, [&](int64_t from, int64_t to) {
+    std::ranges::fill(panel.subspan(from, to - from), Real(0));
+  });
   front::load_matrix(f, matrix, entries_of(s));
   const auto assemble_shared = [&](int32_t child, int32_t begin, int32_t end) {
     const Real* source = front_of(child, 0).update;
@@ -187,7 +193,7 @@ template <typename Real>
 Cholesky<Real>& Cholesky<Real>::operator=(Cholesky&&) noexcept = default;
 
 template <typename Real>
-void Cholesky<Real>::analyze(const BlockPattern& pattern, std::span<const Vec3>) {
+void Cholesky<Real>::analyze(const BlockPattern& pattern, ThreadPool& pool) {
   Implementation& s = *implementation_;
   const uint64_t hash = pattern.hash();
   const bool foreign = s.new_sequence && s.ordered_pattern != hash;
@@ -195,7 +201,7 @@ void Cholesky<Real>::analyze(const BlockPattern& pattern, std::span<const Vec3>)
       s.orderings > 0 && static_cast<int32_t>(s.order.size()) == pattern.block_count && !foreign;
   s.new_sequence = false;
   const auto reorder = [&] {
-    s.order = fill_reducing_order(AdjacencyGraph::from_pattern(pattern));
+    s.order = fill_reducing_order(AdjacencyGraph::from_pattern(pattern), pool);
     ++s.orderings;
     s.ordered_pattern = hash;
     s.symbolic.analyze(pattern, s.order, kStrip<Real>, s.tree);
@@ -215,6 +221,12 @@ void Cholesky<Real>::analyze(const BlockPattern& pattern, std::span<const Vec3>)
   ++s.analyses;
   s.slot_count = pattern.slot_count();
   s.plan.build(s.tree, kStrip<Real>, kTile);
+}
+
+template <typename Real>
+void Cholesky<Real>::analyze(const BlockPattern& pattern) {
+  ThreadPool alone(1);
+  analyze(pattern, alone);
 }
 
 template <typename Real>

@@ -6,9 +6,7 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 
-#include <stark/base/math.h>
 #include <stark/base/thread_pool.h>
 #include <stark/linalg/block_matrix.h>
 
@@ -31,9 +29,10 @@ class Cholesky {
 
   /// Symbolic phase for a pattern. The fill-reducing ordering is kept while the number of block rows is
   /// unchanged and the predicted flops stay below twice those at the last ordering; it is also redone
-  /// some time after a good part of the couplings has gone. `positions` [block_count] may be empty; they are
-  /// a hint that the present ordering, which works on the graph alone, does not need.
-  void analyze(const BlockPattern& pattern, std::span<const Vec3> positions = {});
+  /// some time after a good part of the couplings has gone.
+  void analyze(const BlockPattern& pattern);
+  /// The same order, found by the threads of `pool`.
+  void analyze(const BlockPattern& pattern, ThreadPool& pool);
 
   /// The next analyze() orders anew, unless its pattern is the one that the present ordering was made for:
   /// what follows then depends on the patterns from here on only.

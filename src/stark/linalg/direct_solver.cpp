@@ -40,7 +40,7 @@ double relative_residual(const LinearSystem& system, std::span<const double> x, 
 }  // namespace
 
 template <typename Real>
-void Factor<Real>::update(const BlockPattern& pattern, std::span<const Vec3> positions) {
+void Factor<Real>::update(const BlockPattern& pattern, ThreadPool& pool) {
   const uint64_t hash = pattern.hash();
   const bool first = is_first_of_step_;
   const bool own_ordering = !first || cholesky_.ordered_pattern() == hash;
@@ -49,7 +49,7 @@ void Factor<Real>::update(const BlockPattern& pattern, std::span<const Vec3> pos
     if (first) cholesky_.keep_analysis();
     return;
   }
-  cholesky_.analyze(pattern, positions);
+  cholesky_.analyze(pattern, pool);
   hash_ = hash;
   is_analyzed_ = true;
 }
@@ -70,7 +70,7 @@ double CholeskySolver::residual(const LinearSystem& system, std::span<const doub
 LinearSolveReport CholeskySolver::solve_system(const LinearSystem& system, std::span<double> x) {
   LinearSolveReport report;
   report.used = kName;
-  factor_.update(system.A.pattern, system.positions);
+  factor_.update(system.A.pattern, pool_);
   report.factorizations = 1;
   const FactorStatus status = factor_.cholesky().factor(system.A, pool_);
   if (!status.positive_definite) {
@@ -137,7 +137,7 @@ bool CholeskyFloatSolver::refine(const LinearSystem& system, double tolerance, s
 LinearSolveReport CholeskyFloatSolver::solve_float(const LinearSystem& system, std::span<double> x) {
   LinearSolveReport report;
   report.used = kName;
-  factor_.update(system.A.pattern, system.positions);
+  factor_.update(system.A.pattern, pool_);
   report.factorizations = 1;
   const FactorStatus status = factor_.cholesky().factor(system.A, pool_);
   report.indefinite = !status.positive_definite;

@@ -14,7 +14,7 @@ namespace stark {
 template <typename Real>
 class Factor {
  public:
-  void update(const BlockPattern& pattern, std::span<const Vec3> positions);
+  void update(const BlockPattern& pattern, ThreadPool& pool);
   void begin_step();
 
   Cholesky<Real>& cholesky() { return cholesky_; }
@@ -34,7 +34,8 @@ class CholeskySolver final : public LinearSolver {
   CholeskySolver(const LinearSettings&, ThreadPool& pool) : pool_(pool) {}
 
   void begin_step() override { factor_.begin_step(); }
-  Factor<double>& factor() { return factor_; }
+  void analyze(const BlockPattern& pattern) { factor_.update(pattern, pool_); }
+  const Cholesky<double>& cholesky() const { return factor_.cholesky(); }
 
  protected:
   LinearSolveReport solve_system(const LinearSystem& system, std::span<double> x) override;
@@ -59,6 +60,7 @@ class CholeskyFloatSolver final : public LinearSolver {
 
   void begin_step() override;
   CholeskySolver& in_double() { return in_double_; }
+  const CholeskySolver& in_double() const { return in_double_; }
 
  protected:
   LinearSolveReport solve_system(const LinearSystem& system, std::span<double> x) override;

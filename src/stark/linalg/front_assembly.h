@@ -24,6 +24,8 @@ struct Front {
 
   Real* pivot_strip(int s) const { return pivot + triangle_offset<Real>(s); }
   Real* border_strip(int s) const { return border + static_cast<int64_t>(s) * kStrip<Real> * padded_columns; }
+  /// Pivots and border.
+  std::span<Real> panel() const { return {pivot, border_strip(border_strips)}; }
 };
 
 /// Where the rows of a child go in the front of its parent, as runs that are consecutive in both.
@@ -54,11 +56,10 @@ inline void add_run(Real* target, const Real* source, int blocks) {
   }
 }
 
-/// Zeros, unit padding, and the blocks of A.
+/// Unit padding and the blocks of A, in a front of zeros.
 template <typename Real>
 void load_matrix(const Front<Real>& f, const BlockMatrix& matrix, std::span<const FrontEntry> entries) {
   constexpr int kS = kStrip<Real>;
-  std::fill(f.pivot, f.border_strip(f.border_strips), Real(0));
   for (int p = f.columns; p < f.padded_columns; ++p) f.pivot_strip(p / kS)[p * kS + p % kS] = Real(1);
   for (const FrontEntry& entry : entries) {
     const double* block = matrix.values.data() + 9 * static_cast<int64_t>(entry.slot);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include <stark/base/error.h>
 #include <stark/linalg/vertex_separator.h>
@@ -12,47 +14,41 @@ namespace stark {
 namespace {
 
 constexpr int32_t kLeafNodes = 120;         // pieces up to this size are ordered by minimum degree
+constexpr double kThreadShare = 0.1;        // of the nodes: pieces up to this size are one task
 constexpr double kUselessSeparator = 0.35;  // of the nodes: such a piece is better left to minimum degree
 constexpr int32_t kDenseDegree = 64;        // least degree of a "dense" node,
 constexpr double kDenseFactor =
     10.0;  // which also exceeds this multiple of the square root of the node count
 
+/// Nodes that follow each other in the order: to be dissected, or in their final order.
+struct Piece {
+  std::vector<int32_t> nodes;
+  bool is_ordered = false;
+};
+
+/// Takes pieces apart, one after the other: each thread has its own.
 class NestedDissection {
  public:
   explicit NestedDissection(const AdjacencyGraph& graph) : graph_(graph) {
     local_.assign(graph.node_count(), -1);
   }
 
-  std::vector<int32_t> run();
+  /// Pieces that do not touch each other and last, if there is one, what separates them.
+  std::vector<Piece> split(std::vector<int32_t> nodes);
+  /// Appends the nodes in their final order.
+  void order(Piece piece, std::vector<int32_t>& out);
 
  private:
-  void dissect(std::vector<int32_t> nodes);
-  void order_leaf(std::span<const int32_t> nodes);
+  std::vector<Piece> components(const WeightedGraph& piece, std::span<const int32_t> nodes) const;
+  Piece leaf(std::span<const int32_t> nodes);
   void extract(std::span<const int32_t> nodes, WeightedGraph& out_graph);
 
   const AdjacencyGraph& graph_;
   std::vector<int32_t> local_;  // number of a node in the piece at hand, -1 outside
-  std::vector<int32_t> order_;
 };
 
-std::vector<int32_t> NestedDissection::run() {
-  const int32_t n = graph_.node_count();
-  order_.reserve(n);
-  // Nodes that touch a large part of the system, such as a floor in contact with everything, go last: they
-  // would only hide the structure of the rest.
-  const double dense = std::max<double>(kDenseDegree, kDenseFactor * std::sqrt(static_cast<double>(n)));
-  std::vector<int32_t> sparse_nodes, dense_nodes;
-  for (int32_t i = 0; i < n; ++i) (graph_.degree(i) > dense ? dense_nodes : sparse_nodes).push_back(i);
-  dissect(std::move(sparse_nodes));
-  std::stable_sort(dense_nodes.begin(), dense_nodes.end(),
-                   [&](int32_t a, int32_t b) { return graph_.degree(a) < graph_.degree(b); });
-  order_.insert(order_.end(), dense_nodes.begin(), dense_nodes.end());
-  STARK_CHECK(static_cast<int32_t>(order_.size()) == n);
-  return std::move(order_);
-}
-
 // The piece with its outer neighbours as halo, which makes the degrees at its border true.
-void NestedDissection::order_leaf(std::span<const int32_t> nodes) {
+Piece NestedDissection::leaf(std::span<const int32_t> nodes) {
   AdjacencyGraph leaf;
   std::vector<int32_t> members(nodes.begin(), nodes.end());
   for (size_t k = 0; k < members.size(); ++k) local_[members[k]] = static_cast<int32_t>(k);
@@ -81,7 +77,8 @@ void NestedDissection::order_leaf(std::span<const int32_t> nodes) {
   std::fill(halo.begin(), halo.begin() + inner, uint8_t{0});
   std::vector<int32_t> order;
   minimum_degree_order(leaf, halo, order);
-  for (const int32_t k : order) order_.push_back(members[k]);
+  for (int32_t& k : order) k = members[k];
+  return {std::move(order), true};
 }
 
 void NestedDissection::extract(std::span<const int32_t> nodes, WeightedGraph& out_graph) {
@@ -97,45 +94,74 @@ void NestedDissection::extract(std::span<const int32_t> nodes, WeightedGraph& ou
   for (const int32_t i : nodes) local_[i] = -1;
 }
 
-void NestedDissection::dissect(std::vector<int32_t> nodes) {
-  if (nodes.empty()) return;
-  if (static_cast<int32_t>(nodes.size()) <= kLeafNodes) return order_leaf(nodes);
-  WeightedGraph piece;
-  extract(nodes, piece);
-  // Components are independent.
+// The connected components of a piece, if it has several.
+std::vector<Piece> NestedDissection::components(const WeightedGraph& piece,
+                                                std::span<const int32_t> nodes) const {
   std::vector<int32_t> component(nodes.size(), -1), queue;
-  int32_t components = 0;
+  int32_t count = 0;
   for (size_t root = 0; root < nodes.size(); ++root) {
     if (component[root] >= 0) continue;
     queue.assign(1, static_cast<int32_t>(root));
-    component[root] = components;
+    component[root] = count;
     for (size_t head = 0; head < queue.size(); ++head)
       for (int32_t k = piece.start[queue[head]]; k < piece.start[queue[head] + 1]; ++k) {
         const int32_t j = piece.neighbor[k];
-        if (component[j] < 0) component[j] = components, queue.push_back(j);
+        if (component[j] < 0) component[j] = count, queue.push_back(j);
       }
-    ++components;
+    ++count;
   }
-  if (components > 1) {
-    std::vector<std::vector<int32_t>> members(components);
-    for (size_t k = 0; k < nodes.size(); ++k) members[component[k]].push_back(nodes[k]);
-    for (std::vector<int32_t>& member : members) dissect(std::move(member));
-    return;
-  }
+  if (count < 2) return {};
+  std::vector<Piece> members(count);
+  for (size_t k = 0; k < nodes.size(); ++k) members[component[k]].nodes.push_back(nodes[k]);
+  return members;
+}
+
+std::vector<Piece> NestedDissection::split(std::vector<int32_t> nodes) {
+  if (nodes.empty()) return {};
+  if (static_cast<int32_t>(nodes.size()) <= kLeafNodes) return {leaf(nodes)};
+  WeightedGraph piece;
+  extract(nodes, piece);
+  if (std::vector<Piece> members = components(piece, nodes); !members.empty()) return members;
   std::vector<uint8_t> part;
   find_vertex_separator(piece, part);
   piece = {};
-  std::vector<int32_t> side[3];
-  for (size_t k = 0; k < nodes.size(); ++k) side[part[k]].push_back(nodes[k]);
+  std::vector<Piece> side(3);
+  for (size_t k = 0; k < nodes.size(); ++k) side[part[k]].nodes.push_back(nodes[k]);
   const double count = static_cast<double>(nodes.size());
-  if (side[0].empty() || side[1].empty() ||
-      static_cast<double>(side[kSeparator].size()) > kUselessSeparator * count)
-    return order_leaf(nodes);
-  nodes = {};
-  dissect(std::move(side[0]));
-  dissect(std::move(side[1]));
-  // The separator becomes one dense front, where the order is free.
-  order_.insert(order_.end(), side[kSeparator].begin(), side[kSeparator].end());
+  if (side[0].nodes.empty() || side[1].nodes.empty() ||
+      static_cast<double>(side[kSeparator].nodes.size()) > kUselessSeparator * count)
+    return {leaf(nodes)};
+  side[kSeparator].is_ordered = true;  // it becomes one dense front, where the order is free
+  return side;
+}
+
+void NestedDissection::order(Piece piece, std::vector<int32_t>& out) {
+  if (piece.is_ordered) {
+    out.insert(out.end(), piece.nodes.begin(), piece.nodes.end());
+    return;
+  }
+  for (Piece& part : split(std::move(piece.nodes))) order(std::move(part), out);
+}
+
+/// Takes the largest pieces apart until there is enough to do for several threads.
+std::vector<Piece> split_for_threads(std::vector<int32_t> nodes, std::vector<NestedDissection>& dissections,
+                                     ThreadPool& pool) {
+  const auto large = static_cast<size_t>(kThreadShare * static_cast<double>(nodes.size()));
+  const auto is_large = [&](const Piece& piece) { return !piece.is_ordered && piece.nodes.size() > large; };
+  std::vector<Piece> pieces(1);
+  pieces[0].nodes = std::move(nodes);
+  while (std::ranges::any_of(pieces, is_large)) {
+    std::vector<std::vector<Piece>> parts(pieces.size());
+    pool.for_each_task(static_cast<int64_t>(pieces.size()), [&](int64_t k, int thread) {
+      if (is_large(pieces[k]))
+        parts[k] = dissections[thread].split(std::move(pieces[k].nodes));
+      else
+        parts[k].push_back(std::move(pieces[k]));
+    });
+    pieces.clear();
+    for (auto& part : parts) std::ranges::move(part, std::back_inserter(pieces));
+  }
+  return pieces;
 }
 
 }  // namespace
@@ -161,8 +187,27 @@ AdjacencyGraph AdjacencyGraph::from_pattern(const BlockPattern& pattern) {
   return graph;
 }
 
-std::vector<int32_t> fill_reducing_order(const AdjacencyGraph& graph) {
-  return NestedDissection(graph).run();
+std::vector<int32_t> fill_reducing_order(const AdjacencyGraph& graph, ThreadPool& pool) {
+  const int32_t n = graph.node_count();
+  // Nodes that touch a large part of the system, such as a floor in contact with everything, go last: they
+  // would only hide the structure of the rest.
+  const double dense = std::max<double>(kDenseDegree, kDenseFactor * std::sqrt(static_cast<double>(n)));
+  std::vector<int32_t> sparse_nodes, dense_nodes;
+  for (int32_t i = 0; i < n; ++i) (graph.degree(i) > dense ? dense_nodes : sparse_nodes).push_back(i);
+  std::vector<NestedDissection> dissections(pool.thread_count(), NestedDissection(graph));
+  std::vector<Piece> pieces = split_for_threads(std::move(sparse_nodes), dissections, pool);
+  std::vector<std::vector<int32_t>> orders(pieces.size());
+  pool.for_each_task(static_cast<int64_t>(pieces.size()), [&](int64_t k, int thread) {
+    dissections[thread].order(std::move(pieces[k]), orders[k]);
+  });
+  std::stable_sort(dense_nodes.begin(), dense_nodes.end(),
+                   [&](int32_t a, int32_t b) { return graph.degree(a) < graph.degree(b); });
+  orders.push_back(std::move(dense_nodes));
+  std::vector<int32_t> order;
+  order.reserve(n);
+  for (const auto& part : orders) order.insert(order.end(), part.begin(), part.end());
+  STARK_CHECK(static_cast<int32_t>(order.size()) == n);
+  return order;
 }
 
 }  // namespace stark

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include <stark/base/thread_pool.h>
 #include <stark/linalg/block_matrix.h>
 
 namespace stark {
@@ -26,8 +27,8 @@ struct AdjacencyGraph {
 };
 
 /// Order of all nodes by nested dissection with minimum degree at the leaves: out[k] is the node eliminated
-/// k-th. Deterministic. Disconnected graphs are welcome.
-std::vector<int32_t> fill_reducing_order(const AdjacencyGraph& graph);
+/// k-th. The same on any number of threads. Disconnected graphs are welcome.
+std::vector<int32_t> fill_reducing_order(const AdjacencyGraph& graph, ThreadPool& pool);
 
 /// Approximate minimum degree on a whole graph or, with `halo` (one flag per node, may be empty), on its
 /// other nodes: halo nodes count as neighbours but are never eliminated. Appends to `out_order`.

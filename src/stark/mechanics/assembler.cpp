@@ -125,7 +125,7 @@ void Assembler::assemble(const Configuration& configuration, std::span<const Vec
                          const AssemblyOptions& options, std::span<double> out_gradient,
                          BlockMatrix& out_hessian) {
   if (out_hessian.pattern != pattern_) out_hessian.pattern = pattern_;
-  out_hessian.set_zero();
+  out_hessian.set_zero(pool_);
   std::fill(out_gradient.begin(), out_gradient.end(), 0.0);
   std::fill(body_moment_.begin(), body_moment_.end(), Mat3{});
   projected_count_ = 0;
