@@ -3,10 +3,12 @@
 #include <stark/base/thread_pool.h>
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <numeric>
 #include <set>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -72,6 +74,19 @@ TEST_CASE("chunked sums have the same bits for 1, 2 and 5 threads") {
   };
   CHECK(sum(2) == sum(1));
   CHECK(sum(5) == sum(1));
+}
+
+TEST_CASE("short jobs follow each other while workers wake up, sleep and come too late") {
+  ThreadPool pool(5);
+  std::vector<int64_t> sums(8), expected(8);
+  for (int round = 0; round < 20'000; ++round) {
+    if (round % 4000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const int64_t tasks = 2 + round % 7;
+    for (int64_t task = 0; task < tasks; ++task) ++expected[task];
+    pool.for_each_task(tasks, [&](int64_t task, int) { sums[task] += round; });  // without a lock
+    pool.for_each_task(tasks, [&](int64_t task, int) { sums[task] -= round - 1; });
+  }
+  CHECK(sums == expected);
 }
 
 TEST_CASE("an exception of a task reaches the caller and the pool stays usable") {

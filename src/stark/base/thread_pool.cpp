@@ -59,6 +59,8 @@ uint64_t this_process() {
 
 }  // namespace
 
+/// One job at a time. Workers enter it when they are awake, and the caller waits for those that have: one
+/// that sleeps, or that another process keeps from running, delays nothing.
 class ThreadPool::Workers {
  public:
   explicit Workers(int count) {
@@ -68,8 +70,7 @@ class ThreadPool::Workers {
   ~Workers() {
     {
       std::lock_guard lock(mutex_);
-      stop_ = true;
-      generation_.fetch_add(1);
+      stop_.store(true);
     }
     wake_.notify_all();
     for (std::thread& thread : threads_) thread.join();
@@ -83,12 +84,12 @@ class ThreadPool::Workers {
       context_ = context;
       failure_ = nullptr;
       next_task_.store(0);
-      active_.store(static_cast<int>(threads_.size()));
-      generation_.fetch_add(1);
+      job_.fetch_add(kNumber + kOpen);
     }
     wake_.notify_all();
     drain(0);
-    const auto is_done = [this] { return active_.load() == 0; };
+    job_.fetch_sub(kOpen);
+    const auto is_done = [this] { return (job_.load() & kInside) == 0; };
     spin_.wait(is_done, [&] {
       std::unique_lock lock(mutex_);
       done_.wait(lock, is_done);
@@ -97,6 +98,12 @@ class ThreadPool::Workers {
   }
 
  private:
+  // Of job_: how many workers are inside, whether others may enter, and its number.
+  static constexpr uint64_t kInside = (uint64_t{1} << 16) - 1, kOpen = uint64_t{1} << 16,
+                            kNumber = uint64_t{1} << 17;
+  static uint64_t number(uint64_t job) { return job / kNumber; }
+  static bool is_new(uint64_t job, uint64_t last) { return (job & kOpen) != 0 && number(job) != last; }
+
   void drain(int thread) {
     for (int64_t task; (task = next_task_.fetch_add(1)) < task_count_;) {
       try {
@@ -108,22 +115,37 @@ class ThreadPool::Workers {
     }
   }
 
+  /// Enters a job that is open and not the last one.
+  bool enter(uint64_t& last) {
+    uint64_t job = job_.load();
+    while (is_new(job, last)) {
+      if (!job_.compare_exchange_weak(job, job + 1)) continue;
+      last = number(job);
+      return true;
+    }
+    return false;
+  }
+
+  void leave() {
+    const uint64_t before = job_.fetch_sub(1);
+    if ((before & kOpen) != 0 || (before & kInside) != 1) return;
+    std::lock_guard lock(mutex_);
+    done_.notify_one();
+  }
+
   void work(int thread) {
-    uint64_t seen = 0;
+    uint64_t last = 0;
     Spin spin;
     while (true) {
-      const auto is_called = [&] { return generation_.load() != seen; };
+      const auto is_called = [&] { return stop_.load() || is_new(job_.load(), last); };
       spin.wait(is_called, [&] {
         std::unique_lock lock(mutex_);
         wake_.wait(lock, is_called);
-        seen = generation_.load();
       });
-      if (stop_) return;
+      if (stop_.load()) return;
+      if (!enter(last)) continue;
       drain(thread);
-      if (active_.fetch_sub(1) == 1) {
-        std::lock_guard lock(mutex_);
-        done_.notify_one();
-      }
+      leave();
     }
   }
 
@@ -131,13 +153,12 @@ class ThreadPool::Workers {
   Spin spin_;  ///< of the thread that calls run()
   std::mutex mutex_;
   std::condition_variable wake_, done_;
-  std::atomic<uint64_t> generation_{0};
+  std::atomic<uint64_t> job_{0};
   std::atomic<int64_t> next_task_{0};
-  std::atomic<int> active_{0};
   int64_t task_count_ = 0;
   Function function_ = nullptr;
   void* context_ = nullptr;
-  bool stop_ = false;
+  std::atomic<bool> stop_{false};
   std::exception_ptr failure_;
 };
 
