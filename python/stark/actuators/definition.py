@@ -15,7 +15,7 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from stark import _core
 from stark._core import TraceError
@@ -141,6 +141,28 @@ class ActuatorFormula:
     """What the inputs of the graph are, by number: of what, 0, which component."""
     recorded: _core.Formula | None = field(default=None, compare=False)
     """The formula as it was recorded; not of built-in actuators."""
+    function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
+    """That it was made of, by whose name it is pickled; not of built-in actuators and those of documents."""
+
+    def __post_init__(self) -> None:
+        if self.function is not None:
+            object.__setattr__(self, "__module__", self.function.__module__)
+
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        if self.function is not None:
+            return self.function.__qualname__
+        if self.recorded is None:
+            return built_in, (self.name,)
+        raise TypeError(
+            f"actuator '{self.name}' cannot be pickled: it is of a scene document and has no function; load "
+            f"the document again where it is needed"
+        )
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    def __copy__(self) -> Self:
+        return self
 
     @property
     def coordinate_count(self) -> int:
@@ -201,6 +223,7 @@ def actuator(function: Callable[..., Any]) -> ActuatorFormula:
         parameters,
         inputs.sources,
         formula,
+        function,
     )
 
 

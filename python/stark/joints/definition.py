@@ -17,7 +17,7 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 from stark import _core
 from stark._core import TraceError
@@ -120,6 +120,28 @@ class JointFormula:
     location: str = field(default="", compare=False)
     recorded: _core.Formula | None = field(default=None, compare=False)
     """The formula as it was recorded; not of built-in joints."""
+    function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
+    """That it was made of, by whose name it is pickled; not of built-in joints and those of documents."""
+
+    def __post_init__(self) -> None:
+        if self.function is not None:
+            object.__setattr__(self, "__module__", self.function.__module__)
+
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        if self.function is not None:
+            return self.function.__qualname__
+        if self.recorded is None:
+            return built_in, (self.name,)
+        raise TypeError(
+            f"joint '{self.name}' cannot be pickled: it is of a scene document and has no function; load "
+            f"the document again where it is needed"
+        )
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    def __copy__(self) -> Self:
+        return self
 
     @property
     def coordinates(self) -> tuple[tuple[str, str], ...]:
@@ -181,7 +203,9 @@ def _record(name: str, function: Callable[..., Any], arguments: Sequence[Argumen
     graph = ExpressionGraph(title, outputs)
     groups = tuple((unit, len(group)) for unit, group in held.groups)
     place = definition_of(function)
-    return JointFormula(name, core.doc, parameters, core, graph, inputs.sources, groups, place, formula)
+    return JointFormula(
+        name, core.doc, parameters, core, graph, inputs.sources, groups, place, formula, function
+    )
 
 
 def _require_two_frames(name: str, function: Callable[..., Any], arguments: Sequence[Argument]) -> None:

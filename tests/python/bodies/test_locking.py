@@ -1,4 +1,4 @@
-"""Solids of one linear element across: they are said where they bend too little, and only there."""
+"""Solids of one to three linear elements across: they are said where they bend too little, and only there."""
 
 from __future__ import annotations
 
@@ -60,17 +60,46 @@ def test_hexahedra_bend_by_what_is_said(cells: tuple[int, int, int]) -> None:
 
 
 @pytest.mark.parametrize(
+    ("kind", "cells", "layers"),
+    [
+        ("tetrahedra", (27, 7, 2), "two elements"),
+        ("tetrahedra", (20, 5, 2), "two elements"),
+        ("tetrahedra", (20, 5, 3), "three elements"),
+        ("hexahedra", (20, 5, 2), "two elements"),
+        ("hexahedra", (13, 4, 2), "two elements"),
+        ("hexahedra", (20, 5, 3), "three elements"),
+    ],
+)
+def test_layers_of_long_cells_bend_by_what_is_said(
+    kind: str, cells: tuple[int, int, int], layers: str
+) -> None:
+    share, said = sag(plate(kind, cells))
+    found = re.search(rf"solid 'solid': it is {layers} thick, of .* about (\S+) times", said)
+    assert found is not None
+    assert share * float(found[1]) == pytest.approx(1.0, rel=0.1)  # a fit, said to two digits
+
+
+def test_two_layers_of_a_slim_beam_are_said() -> None:
+    """Few of its vertices are inside of it."""
+    scene = stark.Scene()
+    scene.add_solid(stark.mesh.tet_box((0.4, 0.04, 0.04), (7, 2, 2)), RUBBER)
+    assert any("it is two elements thick" in text for text in said_of(scene))
+
+
+@pytest.mark.parametrize(
     "mesh",
     [
         stark.mesh.to_quadratic(plate("tetrahedra", (20, 5, 1))),
         stark.mesh.to_quadratic(plate("hexahedra", (10, 3, 1))),
         plate("hexahedra", (40, 10, 1)),
-        plate("tetrahedra", (20, 5, 2)),
+        plate("tetrahedra", (53, 13, 2)),
+        plate("hexahedra", (30, 8, 2)),
+        plate("tetrahedra", (20, 5, 4)),
         stark.mesh.tet_box(0.1, 1),
         stark.mesh.tet_box((0.3, 0.1, 0.1), (3, 1, 1)),
         stark.mesh.tet_ball(0.1, 3),
     ],
-    ids=["tet10", "hex27", "cubes", "two layers", "cube", "brick", "ball"],
+    ids=["tet10", "hex27", "cubes", "two layers", "two of hexahedra", "four layers", "cube", "brick", "ball"],
 )
 def test_nothing_is_said_of_others(mesh: Any) -> None:
     scene = stark.Scene()

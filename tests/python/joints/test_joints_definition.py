@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -138,3 +142,19 @@ def test_a_joint_without_derivatives_at_the_start_is_refused() -> None:
     scene.add_joint(rope, None, box, anchor=(0, 0, 0))
     with pytest.raises(stark.InvalidArgument, match=r"rope.*not finite at time 0.*norm of a zero vector"):
         stark.Simulation(scene)
+
+
+def test_joints_are_pickled_by_name(tmp_path: Path) -> None:
+    """As functions are; built-in ones by theirs, and those of documents not at all."""
+    scene = stark.Scene()
+    ball = scene.add_ball(None, scene.add_box(0.1, mass=1.0), anchor=(0, 0, 0))
+    for formula in (screw, ball.formula):
+        for again in (pickle.loads(pickle.dumps(formula)), copy.copy(formula), copy.deepcopy(formula)):
+            assert again is formula
+    scene = stark.Scene()
+    scene.add_joint(screw, None, scene.add_box(0.1, mass=1.0), anchor=(0, 0, 0), axis="z")
+    scene.save(tmp_path / "screw.json")
+    loaded = stark.load_scene(tmp_path / "screw.json").joints[0].formula
+    with pytest.raises(TypeError, match=r"joint 'screw' cannot be pickled: .* load the document again"):
+        pickle.dumps(loaded)
+    assert copy.deepcopy(loaded) is loaded
