@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stark._core import InvalidMesh
 from stark.arguments import given_flag, given_path
 from stark.files import read_bytes
-from stark.mesh.obj_files import read_obj, vertex_of
+from stark.mesh.obj_files import read_obj, text_of, vertex_of
 from stark.mesh.polygons import triangulated
 from stark.mesh.repair import merged, whole
 from stark.mesh.types import EmbeddedMesh, Mesh, SolidMesh, TetMesh, TriangleMesh
@@ -186,10 +186,21 @@ class _PlyBinary:
 
 
 def _read_stl(data: bytes, _: Path) -> TriangleMesh:
-    is_text = data.lstrip()[:5].lower() == b"solid" and b"\0" not in data
-    corners = _text_stl(data) if is_text else _binary_stl(data)
+    corners = _text_stl(text_of(data)) if _is_text_stl(data) else _binary_stl(data)
     # STL repeats every vertex for each of its triangles; equal corners are one vertex.
     return merged(TriangleMesh(corners, np.arange(len(corners)).reshape(-1, 3)))
+
+
+def _is_text_stl(data: bytes) -> bool:
+    """Titles of binary files may start with the same word."""
+    text = text_of(data[:1024])
+    return (
+        text.lstrip()[:5].lower() == "solid" and "\0" not in text and len(data) != _size_of_binary_stl(data)
+    )
+
+
+def _size_of_binary_stl(data: bytes) -> int:
+    return 84 + 50 * int.from_bytes(data[80:84], "little")
 
 
 def _binary_stl(data: bytes) -> NDArray[np.float64]:
@@ -211,14 +222,25 @@ def _binary_stl(data: bytes) -> NDArray[np.float64]:
     return np.asarray(corners, dtype=np.float64).reshape(-1, 3)
 
 
-def _text_stl(data: bytes) -> NDArray[np.float64]:
+def _text_stl(text: str) -> NDArray[np.float64]:
     corners: list[list[float]] = []
-    for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
+    opened = closed = 0
+    for number, line in enumerate(text.splitlines(), start=1):
         words = line.split()
-        if words[:1] == ["vertex"]:
+        word = words[0].lower() if words else ""
+        if word == "vertex":
             corners.append(vertex_of(words, number, line))
+        opened += word == "facet"
+        closed += word == "endfacet"
     if len(corners) % 3:
         raise InvalidMesh(f"{len(corners)} corners do not make whole triangles: the file was cut off")
+    is_ended = "".join(text[-1024:].lower().split()).rfind("endsolid") >= 0
+    if len(corners) != 3 * opened or opened != closed or not is_ended:
+        raise InvalidMesh(
+            f"{opened} facets, of which {closed} end, with {len(corners)} corners, and "
+            f"{'an' if is_ended else 'no'} 'endsolid' at the end: must be three corners for each facet, and an "
+            f"end; the file was cut off, write it again"
+        )
     return np.array(corners).reshape(-1, 3)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -52,8 +52,11 @@ def _as_loaded(surface: TriangleMesh, parts: dict[str, Indices]) -> dict[str, tu
     """Vertices and triangles of each part, numbered as in the mesh that ``load`` makes of a surface."""
     united = whole(surface)
     rows = np.arange(len(surface.triangles))
-    if united is not surface:  # triangles that collapsed are gone
-        a, b, c = surface.vertices[surface.triangles].transpose(1, 0, 2)
+    if len(united.triangles) != len(rows):  # triangles that collapsed are gone
+        corners: Any = surface.triangles
+        if len(united.vertices) != len(surface.vertices):
+            corners = surface.vertices[corners]
+        a, b, c = corners.reshape(len(rows), 3, -1).transpose(1, 0, 2)
         kept = ~((a == b).all(axis=1) | (b == c).all(axis=1) | (c == a).all(axis=1))
         rows = np.where(kept, np.cumsum(kept) - 1, -1)
     found = {}

@@ -39,6 +39,7 @@ class ObjTexture(NamedTuple):
 def read_obj(data: bytes, file: Path) -> ObjSurface:
     read = _Read(data)
     points = np.array(read.vertices).reshape(-1, 3)
+    read.require_vertices()
     triangles = triangulated(points, read.counts, read.corners, read.title(file))
     many = np.maximum(np.array(read.counts, dtype=np.int64) - 2, 0)
     face = np.repeat(np.arange(len(read.counts)), many)
@@ -64,8 +65,7 @@ def read_texture(data: bytes, file: Path) -> ObjTexture:
             f"line {read.lines[face]}: a corner of the face has no texture coordinates (vt): must be the "
             f"place on the flat pattern; unwrap the mesh in a modelling program"
         )
-    if not 0 <= corners.min() <= corners.max() < len(points):
-        raise InvalidMesh(f"a face has the vertex {corners.max() + 1}: must be in [1, {len(points)}]")
+    read.require_vertices()
     rows = triangulated(points[corners], read.counts, np.arange(len(corners)), read.title(file))
     return ObjTexture(points[corners[rows]], places[textures[rows]])
 
@@ -99,12 +99,31 @@ class _Read:
         """Names a face."""
         return lambda k: f"'{file}': line {self.lines[k]}: face {k}"
 
+    def require_vertices(self) -> None:
+        """Of faces, which may come before the vertices that they name."""
+        corners, count = np.array(self.corners, dtype=np.int64), len(self.vertices)
+        wrong = np.flatnonzero((corners < 0) | (corners >= count))
+        if len(wrong):
+            face = int(np.searchsorted(np.cumsum(self.counts), wrong[0], side="right"))
+            given = int(corners[wrong[0]])
+            given += given >= 0
+            raise InvalidMesh(
+                f"line {self.lines[face]}: a face has the vertex {given}: must be in [1, {count}], or count "
+                f"back by negative numbers to the first one"
+            )
+
     def _add_face(self, words: list[str], number: int, line: str) -> None:
         polygon = _polygon(words, len(self.vertices), number, line)
         self.corners.extend(polygon)
         self.textures.extend(_texture(word, len(self.places)) for word in words[1:])
         self.counts.append(len(polygon))
         self.lines.append(number)
+
+
+def text_of(data: bytes) -> str:
+    """Of a file in UTF-8, or in UTF-16 with the mark of that; the mark is no text."""
+    wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+    return data.decode("utf-16" if wide else "utf-8-sig", errors="replace")
 
 
 def vertex_of(words: list[str], number: int, line: str) -> list[float]:
@@ -139,7 +158,7 @@ def _texture(corner: str, count: int) -> int:
 def _lines(data: bytes) -> Iterator[tuple[int, str]]:
     """Lines with their numbers; those that end in a backslash go on in the next one."""
     start, text = 0, ""
-    for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
+    for number, line in enumerate(text_of(data).splitlines(), start=1):
         start, text = start or number, text + line
         if text.endswith("\\"):
             text = text[:-1] + " "

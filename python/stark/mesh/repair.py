@@ -31,11 +31,15 @@ def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
 
 
 def whole(surface: TriangleMesh) -> TriangleMesh:
-    """With vertices at the same place as one, where the surface is open and has such."""
+    """With vertices at the same place as one, where the surface is open and has such, and without triangles
+    that have a vertex twice."""
     triangles = surface.triangles
-    if not (0 <= triangles.min() <= triangles.max() < len(surface.vertices)) or surface.is_closed:
+    if not (0 <= triangles.min() <= triangles.max() < len(surface.vertices)):
         return surface
-    if len(np.unique(surface.vertices, axis=0)) == len(surface.vertices):
+    collapsed = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
+    if collapsed.any() and not collapsed.all():
+        surface = TriangleMesh(surface.vertices, triangles[~collapsed])
+    if surface.is_closed or len(np.unique(surface.vertices, axis=0)) == len(surface.vertices):
         return surface
     united = merged(surface)
     return united if len(united.triangles) else surface

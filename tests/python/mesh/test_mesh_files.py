@@ -130,6 +130,22 @@ def test_saved_meshes_come_back_bit_by_bit(tmp_path: Path, original: mesh.Mesh) 
             b"solid \xe4\nfacet\n vertex 0 0\n",
             "line 3: a vertex needs three numbers, got 'vertex 0 0'",
         ),
+        (
+            "a.obj",
+            b"v 0 0 0\n" * 3 + b"f 1 2 3\nf 1 2 4\n",
+            r"line 5: a face has the vertex 4: must be in \[1, 3\]",
+        ),
+        ("a.obj", b"v 0 0 0\n" * 3 + b"f -1 -2 -4\n", "line 4: a face has the vertex -1: must be in"),
+        (
+            "a.stl",
+            b"solid\nfacet\n" + b"vertex 0 0 0\n" * 3 + b"endfacet\n",
+            "1 facets, of which 1 end, with 3 corners, and no 'endsolid' .* was cut off",
+        ),
+        (
+            "a.stl",
+            b"solid\nfacet\n" + b"vertex 0 0 0\n" * 3 + b"endfacet\nfacet\nendsolid\n",
+            "2 facets, of which 1 end, with 3 corners, and an 'endsolid'",
+        ),
         ("a.stl", b"solid\n vertex 0 0 0\n", "1 corners do not make whole triangles: the file was cut off"),
     ],
 )
@@ -151,6 +167,44 @@ def test_formats_of_other_libraries_name_what_to_install(
         mesh.load(tmp_path / "a.glb")
     with pytest.raises(ImportError, match="needs meshio: pip install"):
         mesh.load(tmp_path / "a.msh")
+
+
+@pytest.mark.parametrize("code", ["utf-8-sig", "utf-16"])
+def test_text_with_a_mark_of_its_code(tmp_path: Path, code: str) -> None:
+    """The mark is before the first statement, and no part of it."""
+    (tmp_path / "a.obj").write_bytes("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\n".encode(code))
+    loaded = mesh.load(tmp_path / "a.obj")
+    assert loaded.vertices[loaded.triangles[0]].tolist() == [[0, 0, 0], [1, 0, 0], [0, 0, 1]]
+    (tmp_path / "a.stl").write_bytes(TEXT_STL.encode(code))
+    assert mesh.load(tmp_path / "a.stl").vertices.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+
+
+TEXT_STL = """solid a
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 1 0
+endloop
+endfacet
+endsolid a
+"""
+
+
+def test_stl_in_capitals(tmp_path: Path) -> None:
+    (tmp_path / "a.stl").write_text(TEXT_STL.upper().replace("ENDSOLID", "END SOLID"))
+    assert mesh.load(tmp_path / "a.stl").triangles.tolist() == [[0, 1, 2]]
+
+
+def test_triangles_that_have_a_vertex_twice_go(tmp_path: Path) -> None:
+    """As in files that write triangles as quadrangles; vertices keep their numbers."""
+    (tmp_path / "a.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\no flat\nf 1 2 3 3\no back\nf 2 4 3\n"
+    )
+    loaded, groups = mesh.load(tmp_path / "a.obj"), mesh.load_groups(tmp_path / "a.obj")
+    assert loaded.triangles.tolist() == [[0, 1, 2], [1, 3, 2]]
+    assert groups["flat"].elements.tolist() == [0] and groups["back"].elements.tolist() == [1]
+    assert len(mesh.load(tmp_path / "a.obj", merge=False).triangles) == 3
 
 
 def test_pipes_are_not_waited_for(tmp_path: Path) -> None:
