@@ -238,8 +238,8 @@ def _text_stl(text: str) -> NDArray[np.float64]:
     if len(corners) != 3 * opened or opened != closed or not is_ended:
         raise InvalidMesh(
             f"{opened} facets, of which {closed} end, with {len(corners)} corners, and "
-            f"{'an' if is_ended else 'no'} 'endsolid' at the end: must be three corners for each facet, and an "
-            f"end; the file was cut off, write it again"
+            f"{'an' if is_ended else 'no'} 'endsolid' at the end: must be three corners for each facet, and "
+            f"an end; the file was cut off, write it again"
         )
     return np.array(corners).reshape(-1, 3)
 
