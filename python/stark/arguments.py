@@ -159,3 +159,15 @@ def added_later(owner: str, what: str) -> InvalidArgument:
 def refuse_copy(what: str, instead: str) -> NoReturn:
     """For ``__reduce_ex__``, which copy, deepcopy and pickle call."""
     raise NotCopyable(f"{what} cannot be copied or pickled: {instead}")
+
+
+def wrong_mass(owner: str, mass: Any) -> InvalidArgument:
+    """Of a body whose material has a density."""
+    given = np.asarray(mass, dtype=object)
+    if given.ndim > 0:
+        return InvalidArgument(
+            f"{owner}: mass has {given.size} numbers: must be one, the mass of the whole body [kg]; where it "
+            f"differs by place, give a density for each element, material.replace(density=values): "
+            f"vertices get their shares of it"
+        )
+    return InvalidArgument(f"{owner}: mass = {mass!r} kg: must be a number > 0 and finite")

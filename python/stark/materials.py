@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument, RodLaw, ShellLaw, SolidLaw
-from stark.arguments import nearest, refuse_masked
+from stark.arguments import nearest, refuse_masked, wrong_mass
 from stark.attributes import own_names
 
 _LARGEST = float(np.finfo(np.float64).max)
@@ -175,7 +175,7 @@ class _Material(Generic[_CoreMaterial]):
             return self
         real = isinstance(mass, (int, float, np.number)) and not isinstance(mass, (bool, np.complexfloating))
         if not real or not 0.0 < mass <= _LARGEST:
-            raise InvalidArgument(f"{owner}: mass = {mass!r} kg: must be a number > 0 and finite")
+            raise wrong_mass(owner, mass)
         if "density" in self._fields:
             raise InvalidArgument(
                 f"{owner}: mass = {mass!r} kg and a density of each element: must be one of the two; leave "

@@ -178,3 +178,15 @@ def test_a_mesh_of_unusual_size_is_warned_of_once() -> None:
     scene.add_rigid(mesh.box(80.0), density=100.0)  # unusual for what moves alone
     with pytest.warns(stark.StarkWarning, match="extent of the mesh = 80 m"):
         stark.Simulation(scene)
+
+
+@pytest.mark.parametrize("mass", [np.full(25, 0.01), [0.01] * 25, [[1.0], [1.0, 2.0]]])
+def test_masses_by_vertex_are_refused_with_what_to_give_instead(mass: object) -> None:
+    sheet = stark.mesh.grid(0.2, 0.2, cells=4)
+    with pytest.raises(
+        stark.InvalidArgument, match=r"cloth: mass has .* numbers: must be one.* density for each"
+    ):
+        stark.Scene().add_cloth(sheet, stark.materials.cotton, mass=mass)  # type: ignore[arg-type]
+    values = np.linspace(0.1, 0.3, len(sheet.triangles))
+    body = stark.Scene().add_cloth(sheet, stark.materials.cotton.replace(density=values))
+    assert body.mass == pytest.approx(0.04 * values.mean())

@@ -50,7 +50,7 @@ def tetrahedralise(
 
 
 def _made(surface: TriangleMesh, edge_length: float | None, tolerance: float | None) -> TetMesh:
-    diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
+    diagonal = _diagonal(surface)
     if tolerance is not None:
         positive(tolerance, "tetrahedralise: tolerance", "")
     if edge_length is None:
@@ -132,6 +132,9 @@ def _mesher() -> str:
 
 def _filled(surface: TriangleMesh, fraction: float, tolerance: float) -> TetMesh:
     """By fTetWild. ``fraction``: wanted edge length over the diagonal of the bounds."""
+    thickness, moves = _mean_thickness(surface), tolerance * _diagonal(surface)
+    if moves > 2.0 * thickness:  # of a rod twice its mean thickness across
+        raise _too_thin(thickness, moves, fraction)
     try:
         import pytetwild
     except ImportError as error:
@@ -149,4 +152,26 @@ def _filled(surface: TriangleMesh, fraction: float, tolerance: float) -> TetMesh
                 f"tetrahedralise: fTetWild refuses the surface with edges of {fraction:.3g} and a tolerance "
                 f"of {tolerance:.3g} of its diagonal: {error}"
             ) from None
+    if len(tets) == 0:
+        raise _too_thin(thickness, moves, fraction)
     return compact(oriented(TetMesh(vertices, np.asarray(tets, dtype=np.int32))))
+
+
+def _diagonal(surface: TriangleMesh) -> float:
+    return float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
+
+
+def _mean_thickness(surface: TriangleMesh) -> float:
+    """Twice the volume over the area [m]: that of a plate."""
+    a, b, c = surface.vertices[surface.triangles].transpose(1, 0, 2)
+    area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+    return 2.0 * abs(surface.volume) / max(area, np.finfo(float).tiny)
+
+
+def _too_thin(thickness: float, moves: float, fraction: float) -> InvalidMesh:
+    return InvalidMesh(
+        f"tetrahedralise: nothing is left of the surface, which may move by {moves:.3g} m and is "
+        f"{thickness:.3g} m thick in the mean: must be thicker than twice that; pass a smaller tolerance=, "
+        f"which is a tenth of the edge length where you give one (now {fraction:.3g} of the diagonal), or "
+        f"make a thin sheet a cloth with flexural_rigidity"
+    )

@@ -62,6 +62,21 @@ def test_a_mesher_that_misses_is_asked_until_it_hits(monkeypatch: pytest.MonkeyP
     assert off() == pytest.approx(0.25) and len(asked) == 4  # the nearest of those that there are
 
 
+@pytest.mark.parametrize("thickness", [1e-5, 1e-3, 2e-3])
+def test_sheets_that_are_lost_within_the_tolerance_are_refused(thickness: float) -> None:
+    """fTetWild leaves nothing of those, and may crash at the next one."""
+    pytest.importorskip("pytetwild")
+    with pytest.raises(stark.InvalidMesh, match=r"may move by 0.002 m and is .* must be thicker than twice"):
+        mesh.tetrahedralise(mesh.box((0.2, 0.2, thickness)), edge_length=0.02, keep=False)
+
+
+def test_thin_sheets_with_a_tolerance_of_their_own() -> None:
+    pytest.importorskip("pytetwild")
+    sheet = mesh.box((0.1, 0.1, 1e-3))
+    solid = mesh.tetrahedralise(sheet, edge_length=0.01, tolerance=0.1 * 1e-3 / 0.1415, keep=False)
+    assert solid.volume == pytest.approx(1e-5, rel=0.01)
+
+
 def test_edges_that_are_long_for_the_body() -> None:
     """A quarter of the diagonal is a mesh; more than all of it is most likely a mistake with units."""
     pytest.importorskip("pytetwild")
