@@ -71,6 +71,10 @@ def _names_in(source: str) -> set[str]:
     return defined
 
 
+#: What other libraries call functions, too short for the nearest name to be the right one.
+_SHORT = {"det": "determinant", "inv": "inverse", "tr": "trace", "eye": "identity"}
+
+
 def _nearest(name: str, package: str, names: set[str]) -> str:
     """'; did you mean ...?', or nothing."""
     import difflib
@@ -79,6 +83,6 @@ def _nearest(name: str, package: str, names: set[str]) -> str:
         return ""
     known = sorted(n for n in names if not n.startswith("_"))
     lower = {n.lower(): n for n in known}
-    near = difflib.get_close_matches(name, known, n=1)
+    near = [_SHORT[name]] if _SHORT.get(name) in names else difflib.get_close_matches(name, known, n=1)
     near = near or [lower[n] for n in difflib.get_close_matches(name.lower(), lower, n=1)]
     return f"; did you mean {package}.{near[0]}?" if near else ""

@@ -53,6 +53,10 @@ def test_errors_on_arguments_name_what_users_called(call: Any, named: str) -> No
         ("material_", "material"),
         ("checkpoints", "checkpoint"),
         ("Vec5", "Vec"),
+        ("det", "determinant"),
+        ("inv", "inverse"),
+        ("tr", "trace"),
+        ("eye", "identity"),
     ],
 )
 def test_an_unknown_name_is_answered_with_the_nearest(wrong: str, right: str) -> None:

@@ -79,6 +79,20 @@ def test_layers_of_long_cells_bend_by_what_is_said(
     assert share * float(found[1]) == pytest.approx(1.0, rel=0.1)  # a fit, said to two digits
 
 
+def test_even_tetrahedra_bend_by_what_is_said() -> None:
+    """An unstructured mesh: that of fTetWild for edges as long as the plate is thick, which is random."""
+    pytest.importorskip("pytetwild")
+    box = stark.mesh.box((LENGTH, WIDTH, HEIGHT))
+    share, said = sag(stark.mesh.tetrahedralise(box, edge_length=0.01))
+    found = re.search(r"it is (\S+) edges thick, of linear tetrahedra: .* about (\S+) times", said)
+    assert found is not None
+    assert 0.8 < float(found[1]) < 1.3
+    assert share * float(found[2]) == pytest.approx(1.0, rel=0.25)  # a fit to meshes of other edges, too
+    fine = stark.Scene()
+    fine.add_solid(stark.mesh.tetrahedralise(box, edge_length=0.006), RUBBER)
+    assert said_of(fine) == []
+
+
 def test_two_layers_of_a_slim_beam_are_said() -> None:
     """Few of its vertices are inside of it."""
     scene = stark.Scene()
