@@ -52,7 +52,7 @@ def _said(solid: Solid, energies: Iterable[Any], attachments: Iterable[Any]) -> 
     ratio = _ratio(mesh.vertices, elements)
     if nodes == 4 and layers > 1 and ratio < _EVEN:
         edges = _edges_across(solid)
-        share, limit, thick = 1.0 / (1.0 + _OF_EVEN / edges**2), _EVEN_BENDS, f"{edges:.2g} edges"
+        share, limit, thick = 1.0 / (1.0 + _OF_EVEN / edges**2), _EVEN_BENDS, f"{edges:.1f} edges"
     else:
         share, limit, thick = _deflection(nodes, ratio, layers), _BENDS, _NUMBER[layers]
     if share > limit or not _can_bend(solid, energies, attachments):
