@@ -80,13 +80,15 @@ V power_of_two_below(const V& a) {
 
 constexpr int upper_index(int n, int i, int j) { return i * n - i * (i - 1) / 2 + (j - i); }
 
-// Sizes: N > 0 is a compile-time n, N = 0 takes n at run time.
+// Sizes: N > 0 is a compile-time n; N = 0 takes n at run time, up to that of eight points, as energies and
+// joints have them, and N = -1 any n. What is on the stack is as large as the largest of them.
+constexpr int kCommonSize = 24;
 template <int N>
 struct Size {
   int runtime;
   constexpr int value() const { return N > 0 ? N : runtime; }
 };
-constexpr int capacity(int n) { return n > 0 ? n : kPsdMaxSize; }
+constexpr int capacity(int n) { return n > 0 ? n : n == 0 ? kCommonSize : kPsdMaxSize; }
 
 // Bits of the lanes at `upper` that are not positive semidefinite.
 template <int N>
@@ -340,7 +342,7 @@ uint32_t psd_test(const double* upper, int n) {
     case 12:
       return test_lanes<12>(upper, {n});
     default:
-      return test_lanes<0>(upper, {n});
+      return n <= kCommonSize ? test_lanes<0>(upper, {n}) : test_lanes<-1>(upper, {n});
   }
 }
 
@@ -368,7 +370,7 @@ void psd_project(double* upper, int n, uint32_t mask, bool translation_invariant
     case 12:
       return project_full<12>(upper, {n}, mask);
     default:
-      return project_full<0>(upper, {n}, mask);
+      return n <= kCommonSize ? project_full<0>(upper, {n}, mask) : project_full<-1>(upper, {n}, mask);
   }
 }
 

@@ -12,11 +12,13 @@
 namespace stark {
 
 inline constexpr int kPsdLanes = 8;
-inline constexpr int kPsdMaxSize = 24;
+/// 24 points with three coordinates each: an actuator on three joints, with two frames of four points each.
+inline constexpr int kPsdMaxSize = 72;
 
 /// Lanes that are not positive semidefinite, as a bit mask (bit l: lane l). `upper` is [n(n+1)/2][8]: the
-/// upper triangles, row by row, of eight symmetric n x n matrices, n in 1..24. Eigenvalues above -1e-12 times
-/// the sum of the absolute diagonal count as non-negative; a lane with a NaN is reported. Any alignment.
+/// upper triangles, row by row, of eight symmetric n x n matrices, n in 1..kPsdMaxSize. Eigenvalues above
+/// -1e-12 times the sum of the absolute diagonal count as non-negative; a lane with a NaN is reported. Any
+/// alignment.
 uint32_t psd_test(const double* upper, int n);
 
 /// Replaces the lanes in `mask` by the nearest positive semidefinite matrix; the other lanes keep their bits,

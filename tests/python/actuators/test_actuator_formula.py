@@ -112,6 +112,30 @@ def test_an_energy_of_two_coordinates_couples_two_joints() -> None:
     assert hinges[1].angle == pytest.approx(0.4, abs=1e-3)
 
 
+@pytest.mark.parametrize("newton", [{}, {"newton.projection": "always"}])
+def test_a_differential_of_three_joints_shares_torque_evenly(newton: dict[str, str]) -> None:
+    """Its shaft turns at the mean of both sides, which carry the same torque: the side with dry friction of
+    0.6 N m gives it to the other, whose friction of 0.2 N m leaves 0.4 N m for a damper of 0.1 N m s, so that
+    they turn at 8 and 4 rad/s, and the shaft takes 1.2 N m."""
+
+    @stark.actuator
+    def differential(shaft: stark.Coordinate, left: stark.Coordinate, right: stark.Coordinate):
+        return stark.act(hold=shaft.q - 0.5 * (left.q + right.q))
+
+    scene = stark.Scene()
+    wheels = [scene.add_cylinder(0.05, 0.02, mass=1.0, position=(0.5 * k, 0, 0)) for k in range(3)]
+    shaft, left, right = (scene.add_hinge(None, w, anchor=w.position, axis="z") for w in wheels)
+    scene.add_actuator(differential, [shaft, left, right])
+    motor = shaft.add_motor(6.0, cap=50.0, delta=1e-3)
+    left.add_friction(cap=0.6)
+    right.add_friction(cap=0.2, viscous=0.1)
+    sim = stark.Simulation(scene, time_step=0.01, gravity=(0, 0, 0), **newton)
+    sim.run_until(1.0)
+    rates = [joint.rates["angle"] for joint in (shaft, left, right)]
+    np.testing.assert_allclose(rates, [6.0, 8.0, 4.0], rtol=1e-4)
+    assert motor.torque == pytest.approx(1.2, rel=1e-4)  # the residual of the step
+
+
 @pytest.mark.parametrize(
     ("formula", "message"),
     [
