@@ -69,6 +69,42 @@ TEST_CASE("places meet in the middle, however their contacts share them") {
   CHECK(damped_limits(before, now) == std::vector<double>{3.0, 2.0, 5.0, 1.0});
 }
 
+TEST_CASE("limits that go on in the same way go where they would add up to") {
+  // Two places whose limits answer what they differ by from 60 N and 30 N with a part of it.
+  const auto shares = [](double answer, int refreshes) {
+    const double first = 60.0, second = 30.0;
+    std::vector<FrictionLimit> before{of_point(7, 90.0), of_edges(7, 44.0)};
+    RefreshShares refresh;
+    std::vector<double> found;
+    for (int k = 0; k < refreshes; ++k) {
+      const std::vector<FrictionLimit> now{of_point(7, first + answer * (before[0].limit - first)),
+                                           of_edges(7, second + answer * (before[1].limit - second))};
+      found.push_back(refresh.next(before, now, k < 3));
+      const std::vector<double> damped = damped_limits(before, now, found.back());
+      before = {of_point(7, damped[0]), of_edges(7, damped[1])};
+    }
+    found.push_back(before[0].limit);
+    return found;
+  };
+  const std::vector<double> half = shares(0.5, 4);
+  CHECK(half[2] == 1.0);
+  CHECK(half[3] == doctest::Approx(2.0));
+  CHECK(half[4] == doctest::Approx(60.0));
+  // At most four times the way; and halfway where limits go back and forth.
+  const std::vector<double> most = shares(0.9, 5);
+  CHECK(most[3] == 4.0);
+  CHECK(most[4] == 4.0);
+  CHECK(most[5] - 60.0 == doctest::Approx(30.0 * 0.9 * 0.9 * 0.9 * 0.6 * 0.6));
+  const std::vector<double> back = shares(-0.8, 4);
+  CHECK(back[2] == 1.0);
+  CHECK(back[3] == 0.5);
+}
+
+TEST_CASE("a share of the way leaves half of what a place has now") {
+  CHECK(damped_limits({of_point(7, 9.0)}, {of_point(7, 3.0)}, 2.0) == std::vector<double>{1.5});
+  CHECK(damped_limits({of_point(7, 4.0)}, {of_point(7, 3.0)}, 2.0) == std::vector<double>{2.0});
+}
+
 TEST_CASE("the layers on both sides of a point are two places") {
   const LimitComparison moved({of_point(7, 5.0), of_point(9, 3.0, kDown)},
                               {of_point(7, 4.0), of_point(9, 4.0, kDown)});

@@ -58,5 +58,5 @@ TEST_CASE("cloth, solid, rod and rigid bodies in contact have the same bits ever
   settings.contact.distance = 2e-3;
   Simulation sim(scene, settings);
   for (int k = 0; k < 30; ++k) REQUIRE_FALSE(sim.step().failed());
-  CHECK(sim.state().hash() == 0xd9cbbc923fc7a92fu);
+  CHECK(sim.state().hash() == 0xb75898d96dfe71b2u);
 }

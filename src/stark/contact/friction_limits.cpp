@@ -19,6 +19,13 @@ constexpr double kLimitTolerance = 1e-3;
 /// beside it. Bodies that hardly graze each other are left out: part of the largest limit of all.
 constexpr double kPairTolerance = 1e-2, kGrazing = 1e-6;
 
+/// Cosine between two changes of all limits above which they go the same way, and the largest share of the
+/// way that is foreseen then.
+constexpr double kSameWay = 0.9, kLargestShare = 4.0;
+
+/// Part of a new limit that a share of the way leaves at least.
+constexpr double kLeastLimit = 0.5;
+
 /// Part of an edge within which a contact is at its end.
 constexpr double kEnd = 1e-2;
 
@@ -137,7 +144,7 @@ FrictionLimit limit_of(const Contact& contact, const Vec3& normal, double limit)
 }
 
 std::vector<double> damped_limits(const std::vector<FrictionLimit>& before,
-                                  const std::vector<FrictionLimit>& now) {
+                                  const std::vector<FrictionLimit>& now, double share) {
   std::vector<double> damped;
   damped.reserve(now.size());
   for (const FrictionLimit& limit : now) damped.push_back(limit.limit);
@@ -145,10 +152,40 @@ std::vector<double> damped_limits(const std::vector<FrictionLimit>& before,
     for (const Entry& entry : entries) {
       const Sum& sum = sides[side_of(entry, entries.front())];
       if (!entry.is_now || !(sum.before > 0.0) || !(sum.now > 0.0)) continue;
-      damped[static_cast<size_t>(entry.limit - now.data())] *= 0.5 * (sum.before + sum.now) / sum.now;
+      const double part = ((1.0 - share) * sum.before + share * sum.now) / sum.now;
+      damped[static_cast<size_t>(entry.limit - now.data())] *= std::max(part, kLeastLimit);
     }
   });
   return damped;
+}
+
+double RefreshShares::next(const std::vector<FrictionLimit>& before, const std::vector<FrictionLimit>& now,
+                           bool is_first) {
+  std::vector<Change> changes;
+  for_each_place(before, now, [&](std::span<const Entry> entries, const Sides& sides) {
+    for (const int side : {0, 1}) {
+      const double change = sides[side].now - sides[side].before;
+      if (change != 0.0) changes.push_back({entries.front().place, side, change});
+    }
+  });
+  const auto name = [](const Change& c) { return std::tuple(c.place, c.side); };
+  double along = 0.0, squared = 0.0, last_squared = 0.0;
+  for (const Change& c : last_) last_squared += c.change * c.change;
+  auto last = last_.begin();
+  for (const Change& c : changes) {
+    squared += c.change * c.change;
+    while (last != last_.end() && name(*last) < name(c)) ++last;
+    if (last != last_.end() && name(*last) == name(c)) along += last->change * c.change;
+  }
+  last_ = std::move(changes);
+  double foreseen = 0.0;
+  if (along > kSameWay * std::sqrt(squared * last_squared))
+    foreseen = along < last_squared ? share_ / (1.0 - along / last_squared) : kLargestShare;
+  if (is_first)
+    share_ = 1.0;
+  else
+    share_ = foreseen > 1.0 ? std::min(foreseen, kLargestShare) : 0.5;
+  return share_;
 }
 
 LimitComparison::LimitComparison(const std::vector<FrictionLimit>& before,

@@ -33,10 +33,29 @@ struct LimitChange {
   double largest_change = 0.0, largest_limit = 0.0;
 };
 
-/// Limits after a refresh of which each place has the mean of what it had before and has now, in the order of
-/// `now`. Places that are new keep theirs.
+/// Limits after a refresh that goes a share of the way from what each place had before to what it has now, in
+/// the order of `now`: half of it to the mean. Places that are new keep theirs.
 std::vector<double> damped_limits(const std::vector<FrictionLimit>& before,
-                                  const std::vector<FrictionLimit>& now);
+                                  const std::vector<FrictionLimit>& now, double share = 0.5);
+
+/// Which share of the way the refreshes of a step go.
+class RefreshShares {
+ public:
+  void begin_step() { *this = {}; }
+  /// After the first ones, which go all of it, half: limits that go back and forth meet in the middle. Where
+  /// all of them go on in the same way instead, as those of a wedge do that friction presses harder, what the
+  /// rest of the refreshes would add is foreseen from the last two [theory eq. 20f].
+  double next(const std::vector<FrictionLimit>& before, const std::vector<FrictionLimit>& now, bool is_first);
+
+ private:
+  struct Change {
+    FrictionPlace place;
+    int side = 0;
+    double change = 0.0;  ///< [N]
+  };
+  std::vector<Change> last_;  ///< in the order of their places
+  double share_ = 1.0;
+};
 
 /// Limits before and after a refresh, compared place by place, and side by side of each place.
 class LimitComparison {

@@ -20,7 +20,7 @@ constexpr int64_t kPairsPerTask = 256;
 /// Resets of a step after which pairs keep their tangent planes and closest points.
 constexpr int kGeometryResets = 2;
 
-/// Resets in a step after which limits go half of the way only.
+/// Resets in a step after which limits go half of the way only, or more where they go on in the same way.
 constexpr int kPlainResets = 3;
 
 /// Part of the stick displacement from which a remembered pair counts as sliding.
@@ -90,6 +90,7 @@ void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std
   x_start_.assign(x.begin(), x.end());
   reference_ = std::move(reference);
   resets_ = 0;
+  shares_.begin_step();
   next_start_.reset();
   for (PotentialBatch& batch : batches_)
     batch.set_uniform("stick_displacement", stick_displacement_ / reference_.scale);
@@ -244,10 +245,11 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
     next_start_ = std::move(next);
     return 0.0;
   }
-  if (resets_ > kPlainResets) {
+  const double share = shares_.next(before, now, resets_ <= kPlainResets);
+  if (share != 1.0) {
     // Limits that go back and forth between two solutions meet in the middle. Places that one of them lacks
     // are left out: what is left of their limits would fade over more refreshes than there are.
-    const std::vector<double> damped = damped_limits(before, now);
+    const std::vector<double> damped = damped_limits(before, now, share);
     for (size_t k = 0; k < next.size(); ++k) next[k].limit = damped[k];
   }
   previous_ = std::exchange(pairs_, std::move(next));

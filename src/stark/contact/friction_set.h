@@ -201,6 +201,7 @@ class FrictionSet {
   std::optional<std::vector<Pair>> next_start_;  ///< what is remembered in place of pairs_
   std::set<int64_t> touching_;                   ///< bodies that had friction at the start
   int resets_ = 0;                               ///< in this step
+  RefreshShares shares_;
   std::vector<PotentialBatch> batches_;  ///< of 2 to 6 points, then the anisotropic ones if there are any
   std::vector<PotentialBatch> models_;
   std::vector<Fields> fields_;                ///< of each batch and its model
