@@ -34,6 +34,9 @@ def refuse_masked(value: Any, what: str) -> None:
             raise InvalidArgument(f"{what}: {values} masked: must have all; fill them, array.filled(...)")
 
 
+_OF_TIME = "; only values of loads, actuators and added energies may be functions of the time"
+
+
 def real_number(value: Any, what: str) -> float:
     """A real number, NaN and infinities included; InvalidArgument calls anything else ``what``."""
     refuse_masked(value, what)
@@ -42,7 +45,7 @@ def real_number(value: Any, what: str) -> float:
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.ndim != 0 or array.dtype.kind not in "iuf":
-        raise InvalidArgument(f"{what} = {value!r}: must be a number")
+        raise InvalidArgument(f"{what} = {value!r}: must be a number{_OF_TIME if callable(value) else ''}")
     return float(array)
 
 

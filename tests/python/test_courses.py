@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import stark
 
@@ -68,6 +69,30 @@ def test_targets_of_motors_are_followed_and_in_the_state() -> None:
     assert motor.target == 0.5
 
 
+def test_a_crane_hoists_its_load_on_a_rope_that_gets_shorter() -> None:
+    """The trolley moves x = (1 - cos 2t)/4, the rope has the length l = 2 - 0.3 t, and hangs at the angle u:
+    l u'' = -g sin u - x'' cos u - 2 l' u'. Its force is m (g cos u - x'' sin u + l u'^2)."""
+    scene = stark.Scene()
+    trolley = scene.add_box(0.1, motion="scripted")
+    trolley.follow(position=lambda t: (0.25 * (1.0 - np.cos(2.0 * t)), 0.0, 0.0))
+    load = scene.add_box(0.1, mass=10.0, position=(0.0, 0.0, -2.0))
+    rope = scene.add_span(trolley, load, (0.0, 0.0, 0.0), (0.0, 0.0, -2.0))
+    hoist = rope.add_limit(upper=lambda t: 2.0 - 0.3 * t)
+    sim = stark.Simulation(scene, time_step=0.005, time={"integrator": "bdf2"})
+    sim.run_until(2.0)
+
+    def slope(t: float, y: Any) -> list[float]:
+        pull = 9.81 * np.sin(y[0]) + np.cos(2.0 * t) * np.cos(y[0]) - 0.6 * y[1]
+        return [y[1], -pull / (2.0 - 0.3 * t)]
+
+    u, rate = solve_ivp(slope, (0.0, 2.0), [0.0, 0.0], rtol=1e-10, atol=1e-12).y[:, -1]
+    x, _, z = load.position - trolley.position
+    assert np.arctan2(x, -z) == pytest.approx(u, abs=1e-4)
+    assert rope.distance == pytest.approx(1.4, abs=1e-6)
+    taut = 10.0 * (9.81 * np.cos(u) - np.cos(4.0) * np.sin(u) + 1.4 * rate**2)
+    assert -hoist.force == pytest.approx(taut, rel=1e-3)
+
+
 def test_two_simulations_follow_at_their_own_times() -> None:
     scene, box = free_box()
     scene.add_force(box, lambda t: (0.0, 0.0, 4.0 * t))
@@ -99,6 +124,24 @@ def test_functions_of_something_else_are_refused(value: Any, message: str) -> No
     sim = simulated(scene)
     sim.step()
     np.testing.assert_array_equal(push.force, (0, 0, 1))
+
+
+def test_functions_where_numbers_are_bound_are_refused_with_what_may_be_one() -> None:
+    scene, box = free_box()
+
+    @stark.energy
+    def pull(p: stark.Point, center: stark.Vec3):
+        return 0.5 * (p.x - center) @ (p.x - center)
+
+    with pytest.raises(stark.InvalidArgument, match=r"value at time 0; assign .* energy\.center = "):
+        pull(box.vertices, center=lambda t: (0.0, 0.0, t))
+    energy = scene.add(pull(box.vertices, center=(0.0, 0.0, 0.0)))
+    energy.center = lambda t: (0.0, 0.0, t)
+    sim = simulated(scene)
+    sim.step()
+    assert energy.center[2] == pytest.approx(0.01)
+    with pytest.raises(stark.InvalidArgument, match=r"break_force = .* only values of loads, actuators and"):
+        scene.add_ball(None, box, anchor=(0, 0, 0), break_force=lambda t: 3.0 - t)  # type: ignore[arg-type]
 
 
 def test_a_function_that_fails_later_says_when(tmp_path: object) -> None:

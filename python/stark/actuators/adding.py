@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,8 +10,15 @@ from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula, built_in
 from stark.arguments import given_flag, given_name, real_number, refuse_unknown_values
 from stark.courses import set_courses, starts
+from stark.errors import StarkWarning
 from stark.handle import SceneLink
 from stark.joints.handle import Actuator, Joint
+
+_DRIVES = {
+    "position_servo": ("servo", "target, stiffness, damping and cap"),
+    "velocity_motor": ("motor", "target, cap and delta"),
+}
+"""Kinds that drive a coordinate to a value, of which one is enough: word and what can be assigned."""
 
 
 def add_actuator(
@@ -27,6 +35,8 @@ def add_actuator(
     owner = f"actuator '{name or formula.name}'"
     targets = [_target(scene, owner, entry) for entry in _entries(owner, on)]
     _check_names(owner, formula, values)
+    if enabled is True and not isinstance(kind, ActuatorFormula):
+        _warn_of_another(scene, kind, targets)
     index = scene._core.add_actuator(
         {
             "name": given_name(name),
@@ -41,6 +51,26 @@ def add_actuator(
     actuator = Actuator(scene, index, formula, tuple(_located(*target) for target in targets))
     set_courses("actuator", actuator, values)
     return actuator
+
+
+def _warn_of_another(scene: SceneLink, kind: str, targets: list[tuple[Joint, str]]) -> None:
+    """Of a second servo or motor on the same coordinate: whoever adds it wants other gains or another target
+    more often than both at once."""
+    if kind not in _DRIVES:
+        return
+    joint, name = targets[0]
+    coordinate = _located(joint, name)[1]
+    for other in joint.actuators:
+        if other.kind == kind and other.coordinates[0][1] == coordinate and other.enabled:
+            word, values = _DRIVES[kind]
+            warnings.warn(
+                f"joint '{joint.name}': '{other.name}' is a {word} on its {coordinate} already: both act, "
+                f"and their efforts add up; assign {values} of that one instead, or add the other with "
+                f"enabled=False and switch between them",
+                StarkWarning,
+                stacklevel=6,  # where joint.add_servo was called
+            )
+            return
 
 
 def _check_names(owner: str, formula: ActuatorFormula, values: Mapping[str, Any]) -> None:

@@ -199,6 +199,11 @@ class BoundEnergy:
                 + (f", {rule}" if rule else "")
                 + (f"; {parameter.declaration.doc}" if parameter.declaration.doc else "")
             )
+        if callable(value):
+            raise InvalidArgument(
+                f"{self.name}: {parameter.describe()} = {value!r}: must be its value at time 0; assign the "
+                f"function of the time to what scene.add returns: energy.{parameter.name} = ..."
+            )
         return read_value(self.name, parameter, value, self.element_count)
 
 

@@ -141,6 +141,7 @@ def numbers_of(owner: str, parameter: Parameter, given: Any) -> Array:
     except (TypeError, ValueError):
         raise InvalidArgument(
             f"{owner}: {parameter.describe()} = {shown_value(given)}: must be {_needed(parameter)}"
+            + ("; it is constant in time" if callable(given) else "")
         ) from None
     return np.array(array, dtype=np.float64)
 

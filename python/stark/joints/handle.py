@@ -96,7 +96,7 @@ class JointActuators(Handle):
         return self.add_actuator("effort", target=target, **options)
 
     def add_spring(
-        self, stiffness: float, damping: float = 0.0, rest: float = 0.0, **options: Any
+        self, stiffness: float, damping: float = 0.0, rest: TimeValue = 0.0, **options: Any
     ) -> Actuator:
         """Linear spring with linear damper; ``rest``: the coordinate where the spring rests [rad, m]."""
         return self.add_actuator("spring_damper", stiffness=stiffness, damping=damping, rest=rest, **options)
@@ -121,16 +121,18 @@ class JointActuators(Handle):
         """Inertia of the coordinate [kg m^2, kg] that is in neither body, such as that of a geared rotor."""
         return self.add_actuator("armature", inertia=inertia, **options)
 
-    def add_limit(self, lower: float | None = None, upper: float | None = None, **options: Any) -> Actuator:
+    def add_limit(
+        self, lower: TimeValue | None = None, upper: TimeValue | None = None, **options: Any
+    ) -> Actuator:
         """Stops at ``lower`` and ``upper`` [rad, m], or at one of them; held within the tolerances of joints,
         whatever pushes."""
-        bounds = (("lower", lower), ("upper", upper))
-        given: dict[str, Any] = {k: real_number(v, f"add_limit: {k}") for k, v in bounds if v is not None}
+        given: dict[str, Any] = {k: v for k, v in (("lower", lower), ("upper", upper)) if v is not None}
+        first = {k: real_number(at_start(v, f"add_limit: {k}"), f"add_limit: {k}") for k, v in given.items()}
         if not given:
             raise InvalidArgument("add_limit: neither lower nor upper is given: give one of them or both")
-        if len(given) == 2 and not given["lower"] < given["upper"]:
+        if len(first) == 2 and not first["lower"] < first["upper"]:
             raise InvalidArgument(f"add_limit: lower = {lower}, upper = {upper}: lower must be below upper")
-        if self._is_angle() and all(abs(value) > 8.0 * math.pi for value in given.values()):
+        if self._is_angle() and all(abs(value) > 8.0 * math.pi for value in first.values()):
             warnings.warn(
                 f"{self._title}: add_limit: lower = {lower} rad, upper = {upper} rad: angles are in "
                 f"radians; write 90 * stark.deg if degrees are meant",
@@ -321,8 +323,6 @@ class Joint(JointActuators):
 
     def __repr__(self) -> str:
         return f"<stark.Joint '{self.name}' ({self.kind})>"
-
-    # --- details ---
 
     def _numbers(self, what: str, given: Any, present: dict[str, float]) -> Floats:
         """Present numbers by name, some replaced by those that are given."""

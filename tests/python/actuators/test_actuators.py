@@ -349,6 +349,22 @@ def test_dry_friction_is_refused_where_nothing_has_a_rate() -> None:
     advance(sim, 1)
 
 
+def test_a_second_servo_on_a_coordinate_warns() -> None:
+    """Both would draw, each to its target."""
+    _, _, hinge = machine()
+    hinge.add_servo(0.5, stiffness=50.0, damping=5.0, cap=100.0, name="first")
+    hinge.add_motor(1.0, cap=1.0, delta=0.1)
+    hinge.add_spring(stiffness=1.0)
+    hinge.add_spring(stiffness=2.0)  # springs side by side are common
+    hinge.add_servo(0.0, stiffness=1.0, damping=0.1, cap=1.0, enabled=False)
+    with pytest.warns(
+        stark.StarkWarning, match=r"'first' is a servo .* add up; assign target, .*enabled=False"
+    ):
+        hinge.add_servo(0.7, stiffness=80.0, damping=5.0, cap=100.0)
+    with pytest.warns(stark.StarkWarning, match="is a motor on its angle already"):
+        hinge.add_motor(2.0, cap=1.0, delta=0.1)
+
+
 def test_a_servo_follows_a_moving_target_with_its_rate() -> None:
     """Without it the damping brakes what should move: it lags by damping / stiffness times the speed."""
     behind = {}

@@ -160,8 +160,8 @@ def test_servo_targets_of_many_whole_turns_are_taken_for_degrees() -> None:
         both.add_servo(-45, coordinate="angle", **gains)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        hinge.add_servo(90.0, **gains)
-        servo = hinge.add_servo(25, **gains)
+        hinge.add_servo(90.0, enabled=False, **gains)
+        servo = hinge.add_servo(25, enabled=False, **gains)
         along = both.add_servo(90, coordinate="displacement", **gains)
         along.target = 90
     with pytest.warns(stark.StarkWarning, match=r"'position_servo_4': target = 90 rad is 14.3") as told:
