@@ -189,7 +189,7 @@ CASES = [
     Case("unused vertices of a solid", lambda: solid_of(np.vstack([CORNER, CORNER + 5]), ONE_TET), InvalidMesh,
          ("solid 'block'", "4 vertices (first: 4)", "stark.mesh.compact")),
     Case("density of an open mesh", lambda: rigid_of(SQUARE, TWO, mass=None, density=1.0), InvalidMesh,
-         ("rigid body 'crate'", "not watertight", "4 edges", "close the mesh")),
+         ("rigid body 'crate'", "not watertight", "4 edges", "stark.mesh.cleaned(mesh)")),
     Case("rigid body inside out", lambda: rigid_of(BOX.vertices, BOX.triangles[:, ::-1]), InvalidMesh,
          ("rigid body 'crate'", "-1 m^3", "counter-clockwise", "stark.mesh.oriented")),
     Case("mixed orientation", lambda: rigid_of(BOX.vertices, np.vstack([BOX.triangles[:1, ::-1], BOX.triangles[1:]])),

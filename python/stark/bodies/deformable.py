@@ -92,7 +92,8 @@ class DeformableBody(Body, RestState):
 
     def pin(self, vertices: ArrayLike) -> None:
         """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Simulations have
-        the pins that there are when they are made: a StarkWarning says where one is there already."""
+        the pins that there are when they are made: a StarkWarning says where one is there already. Pins hold
+        for good; what is to be let go is attached to a scripted body: ``scene.attach``."""
         self._require_of_scene("pin")
         indices = as_array(vertices, f"'{self.name}': pin")
         if indices.dtype == bool:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark.bodies.solid import LINEAR, Solid
-from stark.mesh import EmbeddedMesh, TetMesh, edge_lengths
+from stark.mesh import EmbeddedMesh, TetMesh
 from stark.selections import Points
 
 Floats = NDArray[np.float64]
@@ -99,6 +99,8 @@ def _mean_thickness(solid: Solid) -> float:
 
 def _edges_across(solid: Solid) -> float:
     """The thickness over the mean edge; of curved walls up to twice as much."""
+    from stark.mesh import edge_lengths  # with the mesher, which others need not load
+
     from_middle = solid.mesh.vertices - solid.mesh.vertices.mean(axis=0)
     axes = np.linalg.svd(from_middle, full_matrices=False)[2]
     thickness = min(2.0 * _mean_thickness(solid), np.ptp(from_middle @ axes.T, axis=0).min())

@@ -20,8 +20,8 @@ Ints = NDArray[np.int64]
 
 
 def joined(surfaces: Any) -> TriangleMesh:
-    """Several surfaces as one mesh, in the given order. Raises InvalidMesh for anything but a list of
-    surfaces."""
+    """Several surfaces as one mesh, in the given order. Where they overlap, a mass that is made of a density
+    counts their volume twice. Raises InvalidMesh for anything but a list of surfaces."""
     rows = [as_triangle_mesh(surface, f"joined: surface {k}") for k, surface in enumerate(surfaces)]
     if not rows:
         raise InvalidMesh("joined: got no surface: must have at least one")

@@ -401,7 +401,8 @@ void check_closed(std::string_view owner, const TriangleMesh& mesh, std::string_
                                         " of one triangle only (first: " + std::to_string(open[0][0]) + "-" +
                                         std::to_string(open[0][1]) + ")";
     fail_mesh(owner, "the mesh is not watertight, " + where + ": it must enclose a volume for " +
-                         std::string(purpose) + "; close the mesh, or give inertia= explicitly");
+                         std::string(purpose) +
+                         "; close the mesh, as stark.mesh.cleaned(mesh) does, or give inertia= explicitly");
   }
   if (!is_orientation_consistent(mesh.triangles))
     fail_mesh(
