@@ -83,7 +83,7 @@ def page(rows: list[dict[str, Any]]) -> str:
         "peers from PyPI in an environment of their own, on the CPU, one thread. Materials and friction are "
         "the same; settings are those of the documentation of each, and where it names some for accuracy, "
         "those in rows of their own. CPU seconds, user and system, for a second of simulated time, steps "
-        "alone, on a machine of two cores that was busy with other programs: a fifth of each is uncertain. "
+        "alone, on two cores of a shared machine: a fifth of each is uncertain. "
         "Speeds are compared among rows whose error is within the bound that stands with the table; the "
         "cheapest of them is bold.\n"
     )
