@@ -15,13 +15,14 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from stark import _core
 from stark._core import TraceError
 from stark.formulas.arguments import ClockArgument, read_clock, read_parameter, signature_of
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import Parameter
+from stark.formulas.pickling import PickledByName
 from stark.formulas.tracing import clock_symbol, parameter_symbols, scalar_result
 from stark.symbolic.errors import definition_of, formula_error, recording
 from stark.symbolic.graph import ExpressionGraph
@@ -122,9 +123,11 @@ def _listed(given: Any) -> tuple[Any, ...]:
 
 
 @dataclass(frozen=True)
-class ActuatorFormula:
+class ActuatorFormula(PickledByName):
     """An actuator as a formula: what ``@stark.actuator`` makes of a function, or a built-in one.
     ``joint.add_actuator`` takes it."""
+
+    KIND: ClassVar[str] = "actuator"
 
     name: str
     doc: str
@@ -144,25 +147,8 @@ class ActuatorFormula:
     function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
     """That it was made of, by whose name it is pickled; not of built-in actuators and those of documents."""
 
-    def __post_init__(self) -> None:
-        if self.function is not None:
-            object.__setattr__(self, "__module__", self.function.__module__)
-
-    def __reduce__(self) -> str | tuple[Any, ...]:
-        if self.function is not None:
-            return self.function.__qualname__
-        if self.recorded is None:
-            return built_in, (self.name,)
-        raise TypeError(
-            f"actuator '{self.name}' cannot be pickled: it is of a scene document and has no function; load "
-            f"the document again where it is needed"
-        )
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        return self
-
-    def __copy__(self) -> Self:
-        return self
+    def _finder(self) -> Callable[[str], ActuatorFormula]:
+        return built_in
 
     @property
     def coordinate_count(self) -> int:

@@ -17,7 +17,7 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Self
+from typing import Any, ClassVar
 
 from stark import _core
 from stark._core import TraceError
@@ -25,6 +25,7 @@ from stark.formulas.arguments import Argument, ClockArgument, FrameArgument, rea
 from stark.formulas.frames import SiteFrame
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import Declaration, Parameter
+from stark.formulas.pickling import PickledByName
 from stark.formulas.tracing import clock_symbol, parameter_symbols, unused_text
 from stark.symbolic.errors import definition_of, formula_error, recording
 from stark.symbolic.graph import ExpressionGraph
@@ -103,10 +104,12 @@ def _scalar(name: str, value: Any) -> Scalar:
 
 
 @dataclass(frozen=True)
-class JointFormula:
+class JointFormula(PickledByName):
     """A joint as a formula: what ``@stark.joint`` makes of a function, or a built-in joint.
     ``scene.add_joint``
     takes it."""
+
+    KIND: ClassVar[str] = "joint"
 
     name: str
     doc: str
@@ -123,25 +126,8 @@ class JointFormula:
     function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
     """That it was made of, by whose name it is pickled; not of built-in joints and those of documents."""
 
-    def __post_init__(self) -> None:
-        if self.function is not None:
-            object.__setattr__(self, "__module__", self.function.__module__)
-
-    def __reduce__(self) -> str | tuple[Any, ...]:
-        if self.function is not None:
-            return self.function.__qualname__
-        if self.recorded is None:
-            return built_in, (self.name,)
-        raise TypeError(
-            f"joint '{self.name}' cannot be pickled: it is of a scene document and has no function; load "
-            f"the document again where it is needed"
-        )
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        return self
-
-    def __copy__(self) -> Self:
-        return self
+    def _finder(self) -> Callable[[str], JointFormula]:
+        return built_in
 
     @property
     def coordinates(self) -> tuple[tuple[str, str], ...]:
