@@ -124,7 +124,10 @@ uint64_t BlockPattern::hash() const {
   return mix(mix(lane[0], lane[1]), mix(lane[2], lane[3]));
 }
 
-void BlockMatrix::set_zero() { values.assign(static_cast<size_t>(pattern.slot_count()) * 9, 0.0); }
+void BlockMatrix::set_zero() {
+  ThreadPool alone(1);
+  set_zero(alone);
+}
 
 void BlockMatrix::set_zero(ThreadPool& pool) {
   values.resize(static_cast<size_t>(pattern.slot_count()) * 9);
