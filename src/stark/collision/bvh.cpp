@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include <stark/base/error.h>
+#include <stark/geometry/edge_lookup.h>
+#include <stark/geometry/topology.h>
 
 namespace stark::detail {
 
@@ -54,24 +56,8 @@ void Bvh::reset(SurfaceMesh mesh, int32_t group_count) {
 }
 
 void Bvh::make_cells(int32_t group_count) {
-  // Lowest triangle that has the edge, by binary search in the sorted list of triangle sides.
-  struct Side {
-    int32_t low, high, triangle, corner;
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * mesh_.triangles.size());
-  for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
-    const Index3& v = mesh_.triangles[t];
-    for (int k = 0; k < 3; ++k) {
-      sides.push_back(
-          {std::min(v[k], v[(k + 1) % 3]), std::max(v[k], v[(k + 1) % 3]), static_cast<int32_t>(t), k});
-    }
-  }
-  const auto less = [](const Side& a, const Side& b) {
-    if (a.low != b.low) return a.low < b.low;
-    return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
-  };
-  std::sort(sides.begin(), sides.end(), less);
+  const EdgeTriangles sides = find_edge_triangles(mesh_.triangles);
+  const EdgeLookup side_between(sides.edges);
 
   std::vector<Cell> cells;  // in the order triangles, edges, points
   std::vector<int32_t> groups;
@@ -95,17 +81,14 @@ void Bvh::make_cells(int32_t group_count) {
     groups.push_back(mesh_.triangle_group[t]);
   }
   for (size_t e = 0; e < mesh_.edges.size(); ++e) {
-    const int32_t low = std::min(mesh_.edges[e][0], mesh_.edges[e][1]);
-    const int32_t high = std::max(mesh_.edges[e][0], mesh_.edges[e][1]);
-    auto side = std::lower_bound(sides.begin(), sides.end(), Side{low, high, -1, 0}, less);
+    const auto [low, high] = std::minmax(mesh_.edges[e][0], mesh_.edges[e][1]);
     // A repeated edge may find its first triangle full; then the next one, or a cell of its own.
-    while (side != sides.end() && side->low == low && side->high == high &&
-           cells[side->triangle].edge_count == 3) {
-      ++side;
-    }
-    if (side != sides.end() && side->low == low && side->high == high) {
-      Cell& cell = cells[side->triangle];
-      own_edge(cell, e);
+    const int32_t side = side_between.find(low, high);
+    int32_t i = side < 0 ? 0 : sides.offsets[side];
+    const int32_t end = side < 0 ? 0 : sides.offsets[side + 1];
+    while (i < end && cells[sides.triangles[i]].edge_count == 3) ++i;
+    if (i < end) {
+      own_edge(cells[sides.triangles[i]], e);
       continue;
     }
     Cell cell;

@@ -2,9 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
+#include <utility>
+
+#include <stark/base/bucket_sort.h>
+#include <stark/geometry/edge_lookup.h>
 
 namespace stark {
 
@@ -28,41 +34,58 @@ Vec3 area_vector(const Index3& t, std::span<const Vec3> x) {
 
 /// A flat face, or a triangle of its own.
 struct Patch {
-  std::vector<int32_t> triangles;
+  std::span<const int32_t> triangles;
   double area = 0.0;
   int32_t largest = -1;  ///< triangle that tells the normal
 };
 
-std::vector<Patch> collect_patches(const SurfaceMesh& mesh, std::span<const Vec3> rest,
-                                   std::span<const int32_t> patch) {
-  std::vector<Patch> patches(mesh.triangles.size());
-  std::vector<double> largest(mesh.triangles.size(), -1.0);
-  for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t) {
-    const int32_t p = patch.empty() ? t : patch[t];
+Patch measure(std::span<const int32_t> triangles, const SurfaceMesh& mesh, std::span<const Vec3> rest) {
+  Patch patch{triangles};
+  double largest = -1.0;
+  for (const int32_t t : triangles) {
     const double area = norm(area_vector(mesh.triangles[t], rest));
-    patches[p].triangles.push_back(t);
-    patches[p].area += area;
-    if (area > largest[p]) {
-      largest[p] = area;
-      patches[p].largest = t;
+    patch.area += area;
+    if (area > largest) {
+      largest = area;
+      patch.largest = t;
     }
   }
-  return patches;
+  return patch;
 }
 
-/// Border of a patch with the lengths of its edges.
-std::vector<std::pair<Index2, double>> border_of(const Patch& patch, const SurfaceMesh& mesh,
-                                                 std::span<const Vec3> rest) {
-  std::map<Index2, int> count;
+/// Calls body(patch) for each, in the order of their lowest triangles.
+template <typename Body>
+void for_each_patch(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const int32_t> patch,
+                    Body&& body) {
+  const auto patch_of = [&](int32_t t) { return patch.empty() ? t : patch[t]; };
+  std::vector<int32_t> order(mesh.triangles.size());
+  std::iota(order.begin(), order.end(), 0);
+  bucket_sort(order, patch_of, std::less());
+  for (size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && patch_of(order[end]) == patch_of(order[begin])) ++end;
+    body(measure(std::span(order).subspan(begin, end - begin), mesh, rest));
+  }
+}
+
+/// Edges with their lengths.
+using Border = std::vector<std::pair<Index2, double>>;
+
+/// Border of a patch; `sides` is room to work in.
+void find_border(const Patch& patch, const SurfaceMesh& mesh, std::span<const Vec3> rest,
+                 std::vector<Index2>& sides, Border& out) {
+  sides.clear();
+  out.clear();
   for (const int32_t t : patch.triangles)
-    for (int k = 0; k < 3; ++k) ++count[sorted(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3])];
-  std::vector<std::pair<Index2, double>> border;
-  for (const auto& [edge, n] : count)
-    if (n == 1) border.push_back({edge, norm(rest[edge[1]] - rest[edge[0]])});
-  return border;
+    for (int k = 0; k < 3; ++k) sides.push_back(sorted(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]));
+  std::ranges::sort(sides);
+  for (size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+    const Index2 edge = sides[begin];
+    while (end < sides.size() && sides[end] == edge) ++end;
+    if (end == begin + 1) out.push_back({edge, norm(rest[edge[1]] - rest[edge[0]])});
+  }
 }
 
-std::set<int32_t> vertices_of(const std::vector<std::pair<Index2, double>>& border) {
+std::set<int32_t> vertices_of(const Border& border) {
   std::set<int32_t> vertices;
   for (const auto& [edge, length] : border) vertices.insert(edge.begin(), edge.end());
   return vertices;
@@ -98,18 +121,17 @@ AreaWeights::AreaWeights(const SurfaceMesh& mesh, std::span<const Vec3> rest, st
 
 void AreaWeights::share_triangles(const SurfaceMesh& mesh, std::span<const Vec3> rest,
                                   std::span<const int32_t> patch) {
-  std::map<Index2, int32_t> edge_of;
-  for (size_t e = 0; e < mesh.edges.size(); ++e)
-    edge_of[sorted(mesh.edges[e][0], mesh.edges[e][1])] = static_cast<int32_t>(e);
-  std::vector<std::vector<Share>> of_vertex(mesh.vertex_count), of_edge(mesh.edges.size());
+  const EdgeLookup edges(mesh.edges);
+  std::vector<std::pair<int32_t, Share>> of_vertices, of_edges;
+  std::vector<Index2> sides;
+  Border border;
   const int32_t groups = mesh.triangle_group.empty() ? 0 : *std::ranges::max_element(mesh.triangle_group) + 1;
   std::vector<double> total(groups, 0.0);
   cell_area_.assign(groups, 0.0);
   std::vector<bool> is_left_out(mesh.vertex_count, false);
   for (const int32_t v : mesh.inner) is_left_out[v] = true;
-  for (const Patch& p : collect_patches(mesh, rest, patch)) {
-    if (p.triangles.empty()) continue;
-    const auto border = border_of(p, mesh, rest);
+  for_each_patch(mesh, rest, patch, [&](const Patch& p) {
+    find_border(p, mesh, rest, sides, border);
     double length = 0.0;
     for (const auto& [edge, l] : border) length += l;
     const bool is_triangle = p.triangles.size() == 1;
@@ -118,33 +140,35 @@ void AreaWeights::share_triangles(const SurfaceMesh& mesh, std::span<const Vec3>
     double of_border =
         inside.empty() ? 1.0 : 0.0;  // part that its vertices have, and its edges in their place
     for (const auto& [v, area] : inside) {
-      of_vertex[v].push_back({p.largest, area});
+      of_vertices.push_back({v, {p.largest, area}});
       if (on_border.contains(v)) of_border += area / p.area;
     }
     for (const auto& [edge, l] : border) {
       const double area =
           of_border * p.area * (is_triangle || !(length > 0.0) ? 1.0 / border.size() : l / length);
       for (const int32_t v : edge)
-        if (inside.empty()) of_vertex[v].push_back({p.largest, 0.5 * area});
-      if (const auto e = edge_of.find(edge); e != edge_of.end())
-        of_edge[e->second].push_back({p.largest, area});
+        if (inside.empty()) of_vertices.push_back({v, {p.largest, 0.5 * area}});
+      if (const int32_t e = edges.find(edge[0], edge[1]); e >= 0) of_edges.push_back({e, {p.largest, area}});
     }
     // A mesh of triangles has half as many vertices as triangles, one of quadrilaterals has as many.
     const int32_t group = mesh.triangle_group[p.largest];
     total[group] += p.area;
     cell_area_[group] += p.area * p.area * (is_triangle ? 2.0 : 1.0);
-  }
+  });
   for (int32_t g = 0; g < groups; ++g)
     if (total[g] > 0.0) cell_area_[g] /= total[g];
-  const auto flatten = [](const std::vector<std::vector<Share>>& lists, Shares& out) {
-    out.offsets = {0};
-    for (const auto& list : lists) {
-      out.entries.insert(out.entries.end(), list.begin(), list.end());
-      out.offsets.push_back(static_cast<int32_t>(out.entries.size()));
-    }
-  };
-  flatten(of_vertex, vertices_);
-  flatten(of_edge, edges_);
+  vertices_.collect(mesh.vertex_count, of_vertices);
+  edges_.collect(mesh.edges.size(), of_edges);
+}
+
+/// Lists those of each of `count` primitives in the order in which they are given.
+void AreaWeights::Shares::collect(size_t count, std::span<const std::pair<int32_t, Share>> shares) {
+  offsets.assign(count + 1, 0);
+  for (const auto& [i, share] : shares) ++offsets[i + 1];
+  for (size_t i = 0; i < count; ++i) offsets[i + 1] += offsets[i];
+  entries.resize(shares.size());
+  std::vector<int32_t> next(offsets.begin(), offsets.end() - 1);
+  for (const auto& [i, share] : shares) entries[next[i]++] = share;
 }
 
 void AreaWeights::share_rods(const SurfaceMesh& mesh, std::span<const Vec3> rest,

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <stark/contact/contact_set.h>
@@ -49,6 +50,7 @@ class AreaWeights {
     std::vector<double> whole;   ///< whatever the normal, also of what has no triangles [m^2]
     std::vector<double> across;  ///< of edges, for rods that lie across them, whatever the normal [m^2]
     std::vector<double> weight;  ///< of vertices the least: 1 sharp, less where it is flat
+    void collect(size_t count, std::span<const std::pair<int32_t, Share>> shares);
     std::span<const Share> of(int32_t i) const {
       return std::span(entries).subspan(offsets[i], offsets[i + 1] - offsets[i]);
     }

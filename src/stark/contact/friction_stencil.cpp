@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <stark/geometry/edge_lookup.h>
+
 namespace stark {
 
 namespace {
@@ -124,17 +126,14 @@ FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> ri
       triangles_of_edge_(mesh.edges.size(), {-1, -1}),
       triangle_of_vertex_(mesh.vertex_count, -1),
       levers_(std::move(levers)) {
-  std::vector<std::pair<Index2, int32_t>> edges;
-  for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e)
-    edges.push_back({sorted(mesh.edges[e][0], mesh.edges[e][1]), e});
-  std::ranges::sort(edges);
+  const EdgeLookup edges(mesh.edges);
   for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t)
     for (int k = 0; k < 3; ++k) {
       const int32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
       if (triangle_of_vertex_[a] < 0) triangle_of_vertex_[a] = t;
-      const auto edge = std::ranges::lower_bound(edges, sorted(a, b), {}, &std::pair<Index2, int32_t>::first);
-      if (edge == edges.end() || edge->first != sorted(a, b)) continue;
-      Index2& both = triangles_of_edge_[edge->second];
+      const int32_t edge = edges.find(a, b);
+      if (edge < 0) continue;
+      Index2& both = triangles_of_edge_[edge];
       (both[0] < 0 ? both[0] : both[1]) = t;
     }
 }

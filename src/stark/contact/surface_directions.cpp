@@ -1,7 +1,8 @@
 #include <stark/contact/surface_directions.h>
 
 #include <cmath>
-#include <map>
+
+#include <stark/geometry/edge_lookup.h>
 
 namespace stark {
 
@@ -27,14 +28,13 @@ SurfaceDirections::SurfaceDirections(const SurfaceMesh& mesh, std::vector<Tangen
   if (components_.empty()) return;
   triangles_of_vertex_.resize(mesh.vertex_count);
   triangles_of_edge_.resize(mesh.edges.size());
-  std::map<Index2, size_t> edges;
-  for (size_t e = 0; e < mesh.edges.size(); ++e) edges[sorted(mesh.edges[e][0], mesh.edges[e][1])] = e;
+  const EdgeLookup edges(mesh.edges);
   for (size_t t = 0; t < components_.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const int32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
       triangles_of_vertex_[a].push_back(static_cast<int32_t>(t));
-      if (const auto edge = edges.find(sorted(a, b)); edge != edges.end())
-        triangles_of_edge_[edge->second].push_back(static_cast<int32_t>(t));
+      if (const int32_t edge = edges.find(a, b); edge >= 0)
+        triangles_of_edge_[edge].push_back(static_cast<int32_t>(t));
     }
   }
 }

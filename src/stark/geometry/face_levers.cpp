@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
 #include <utility>
 
 #include <stark/geometry/flat_faces.h>
@@ -18,55 +17,69 @@ constexpr double kLargeFace = 0.05;
 constexpr int kFineParts = 8;
 
 struct Face {
-  std::vector<int32_t> triangles;
-  std::map<int32_t, double> border;  ///< length of the edges of the border at each of its vertices [m]
   Vec3 centre;
-  double area = 0.0, length = 0.0;
+  double area = 0.0;
   bool is_convex = true, has_vertices_inside = false;
+};
+
+struct Border {
+  std::map<int32_t, double> at_vertex;  ///< length of the edges of the border at each of its vertices [m]
+  double length = 0.0;
 };
 
 double area_of(std::span<const Vec3> x, const Index3& t) {
   return 0.5 * norm(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
 }
 
-void set_border(std::span<const Vec3> x, std::span<const Index3> triangles, Face& face) {
+Border find_border(std::span<const Vec3> x, std::span<const Index3> triangles,
+                   std::span<const int32_t> face) {
   std::map<Index2, int> count;
-  for (const int32_t t : face.triangles)
+  for (const int32_t t : face)
     for (int k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
       ++count[{low, high}];
     }
+  Border border;
   for (const auto& [edge, n] : count) {
     if (n != 1) continue;
     const double length = norm(x[edge[1]] - x[edge[0]]);
-    for (const int32_t v : edge) face.border[v] += length;
-    face.length += length;
+    for (const int32_t v : edge) border.at_vertex[v] += length;
+    border.length += length;
   }
+  return border;
 }
 
-std::map<int32_t, Face> collect_faces(std::span<const Vec3> x, std::span<const Index3> triangles) {
-  const FlatFaces flat = find_flat_faces(x, triangles);
+/// Those of each patch at its lowest triangle; others have no area.
+std::vector<Face> collect_faces(std::span<const Vec3> x, std::span<const Index3> triangles,
+                                const FlatFaces& flat) {
   std::vector<bool> is_inside(x.size(), false);
   for (const int32_t v : flat.inner_vertices) is_inside[v] = true;
-  std::map<int32_t, Face> faces;
+  std::vector<Face> faces(triangles.size());
   for (size_t t = 0; t < triangles.size(); ++t) {
     Face& face = faces[flat.patch[t]];
     const auto& [a, b, c] = triangles[t];
     const double area = area_of(x, triangles[t]);
-    face.triangles.push_back(static_cast<int32_t>(t));
     face.centre += (x[a] + x[b] + x[c]) * (area / 3.0);
     face.area += area;
     face.is_convex = face.is_convex && flat.face[t] == flat.patch[t];
     for (const int32_t v : triangles[t]) face.has_vertices_inside = face.has_vertices_inside || is_inside[v];
   }
-  for (auto& [patch, face] : faces) face.centre = face.area > 0.0 ? face.centre / face.area : Vec3{};
+  for (Face& face : faces) face.centre = face.area > 0.0 ? face.centre / face.area : Vec3{};
   return faces;
 }
 
+std::vector<int32_t> triangles_of(int32_t patch, const FlatFaces& flat) {
+  std::vector<int32_t> triangles;
+  for (size_t t = 0; t < flat.patch.size(); ++t)
+    if (flat.patch[t] == patch) triangles.push_back(static_cast<int32_t>(t));
+  return triangles;
+}
+
 /// Mean distance of the points of a face from its centre [m].
-double mean_distance(std::span<const Vec3> x, std::span<const Index3> triangles, const Face& face) {
+double mean_distance(std::span<const Vec3> x, std::span<const Index3> triangles, const Face& face,
+                     std::span<const int32_t> of_face) {
   double mean = 0.0;
-  for (const int32_t t : face.triangles) {
+  for (const int32_t t : of_face) {
     const auto& [i, j, k] = triangles[t];
     const Vec3 u = (x[j] - x[i]) / kFineParts, v = (x[k] - x[i]) / kFineParts;
     double sum = 0.0;
@@ -82,27 +95,30 @@ double mean_distance(std::span<const Vec3> x, std::span<const Index3> triangles,
 }
 
 /// The same of the vertices of its border, which share the pressure by the length of their edges.
-double mean_distance_of_border(std::span<const Vec3> x, const Face& face) {
+double mean_distance_of_border(std::span<const Vec3> x, const Border& border, const Vec3& centre) {
   double mean = 0.0;
-  for (const auto& [v, length] : face.border) mean += 0.5 * length / face.length * norm(x[v] - face.centre);
+  for (const auto& [v, length] : border.at_vertex) mean += 0.5 * length / border.length * norm(x[v] - centre);
   return mean;
 }
 
 }  // namespace
 
 std::vector<FaceLever> find_face_levers(std::span<const Vec3> vertices, std::span<const Index3> triangles) {
-  std::map<int32_t, Face> faces = collect_faces(vertices, triangles);
+  const FlatFaces flat = find_flat_faces(vertices, triangles);
+  const std::vector<Face> faces = collect_faces(vertices, triangles, flat);
   double surface = 0.0;
-  for (const auto& [patch, face] : faces) surface += face.area;
+  for (const Face& face : faces) surface += face.area;
   std::vector<FaceLever> levers;
-  for (auto& [patch, face] : faces) {
+  for (size_t patch = 0; patch < faces.size(); ++patch) {
+    const Face& face = faces[patch];
     if (!face.is_convex || face.has_vertices_inside || !(face.area >= kLargeFace * surface)) continue;
-    set_border(vertices, triangles, face);
-    const double of_border = mean_distance_of_border(vertices, face);
+    const std::vector<int32_t> of_face = triangles_of(static_cast<int32_t>(patch), flat);
+    const Border border = find_border(vertices, triangles, of_face);
+    const double of_border = mean_distance_of_border(vertices, border, face.centre);
     if (!(of_border > 0.0)) continue;
-    const double part = std::min(1.0, mean_distance(vertices, triangles, face) / of_border);
-    for (const auto& [v, length] : face.border)
-      levers.push_back({v, face.triangles.front(), face.centre + (vertices[v] - face.centre) * part});
+    const double part = std::min(1.0, mean_distance(vertices, triangles, face, of_face) / of_border);
+    for (const auto& [v, length] : border.at_vertex)
+      levers.push_back({v, of_face.front(), face.centre + (vertices[v] - face.centre) * part});
   }
   std::ranges::sort(levers, {}, [](const FaceLever& l) { return std::pair(l.vertex, l.triangle); });
   return levers;

@@ -1,11 +1,13 @@
 #include <stark/geometry/flat_faces.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <numeric>
+#include <tuple>
 
+#include <stark/base/bucket_sort.h>
 #include <stark/geometry/topology.h>
 
 namespace stark {
@@ -16,6 +18,21 @@ constexpr double kFlat = 1e-10;     ///< distance from the plane over the diagon
 constexpr double kSameSide = 0.9;   ///< cosine between normals of a face: folded triangles are another one
 constexpr double kStraight = 1e-9;  ///< sine of a corner that counts as straight
 constexpr double kFullTurnError = 1e-3;  ///< [rad] of the exterior angles of a convex polygon
+
+/// Side of the border of a face, as its triangle runs through it.
+struct Side {
+  int32_t face, from, to;
+};
+
+/// Triangles across the edges of one.
+struct Neighbours {
+  std::array<int32_t, 3> triangle;
+  int count = 0;
+  void add(int32_t t) { triangle[count++] = t; }
+  std::span<const int32_t> all() const { return std::span(triangle).first(count); }
+};
+
+int32_t next_in(const Index3& t, int32_t v) { return v == t[0] ? t[1] : v == t[1] ? t[2] : t[0]; }
 
 class FaceFinder {
  public:
@@ -50,12 +67,12 @@ class FaceFinder {
 
  private:
   void find_neighbours() {
-    neighbours_.resize(triangles_.size());
+    neighbours_.assign(triangles_.size(), {});
     for (size_t e = 0; e < edges_.edges.size(); ++e) {
       if (edges_.offsets[e + 1] - edges_.offsets[e] != 2) continue;
       const int32_t a = edges_.triangles[edges_.offsets[e]], b = edges_.triangles[edges_.offsets[e] + 1];
-      neighbours_[a].push_back(b);
-      neighbours_[b].push_back(a);
+      neighbours_[a].add(b);
+      neighbours_[b].add(a);
     }
   }
 
@@ -69,7 +86,7 @@ class FaceFinder {
     while (!open.empty()) {
       const int32_t t = open.back();
       open.pop_back();
-      for (const int32_t n : neighbours_[t]) {
+      for (const int32_t n : neighbours_[t].all()) {
         if (face_[n] >= 0 || !(dot(normals_[n], normal) > kSameSide * norm(normals_[n]))) continue;
         if (!std::ranges::all_of(triangles_[n], [&](int32_t v) {
               return std::fabs(dot(x_[v] - origin, normal)) <= tolerance_;
@@ -87,45 +104,57 @@ class FaceFinder {
   }
 
   std::vector<int32_t> convex_faces() const {
-    std::map<int32_t, std::map<int32_t, int32_t>> borders;  // by face: where the border goes from each vertex
-    std::map<int32_t, bool> is_simple;
-    for (size_t t = 0; t < triangles_.size(); ++t)
-      for (int k = 0; k < 3; ++k) {
-        const int32_t a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
-        const Index2 edge{std::min(a, b), std::max(a, b)};
-        const size_t e = std::ranges::lower_bound(edges_.edges, edge) - edges_.edges.begin();
-        if (is_inner(e)) continue;
-        const bool is_new = borders[face_[t]].emplace(a, b).second;
-        is_simple.try_emplace(face_[t], true).first->second &= is_new;
-      }
+    std::vector<bool> convex(triangles_.size(), false);  // by face, those of one triangle aside
+    const std::vector<Side> sides = sides_of_borders();
+    for (size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+      const int32_t face = sides[begin].face;
+      while (end < sides.size() && sides[end].face == face) ++end;
+      convex[face] = is_convex(std::span(sides).subspan(begin, end - begin), normals_[face]);
+    }
     std::vector<int32_t> faces(triangles_.size());
-    std::iota(faces.begin(), faces.end(), 0);
-    std::map<int32_t, bool> convex;
-    for (const auto& [face, border] : borders)
-      convex[face] = is_simple[face] && is_convex(border, normals_[face]);
-    for (size_t t = 0; t < triangles_.size(); ++t)
-      if (convex[face_[t]]) faces[t] = face_[t];
+    for (size_t t = 0; t < faces.size(); ++t)
+      faces[t] = convex[face_[t]] ? face_[t] : static_cast<int32_t>(t);
     return faces;
   }
 
+  /// Where the borders of faces of several triangles go on from each of their vertices: by face and vertex.
+  std::vector<Side> sides_of_borders() const {
+    std::vector<int32_t> size(triangles_.size(), 0);
+    for (const int32_t face : face_) ++size[face];
+    std::vector<Side> sides;
+    for (size_t e = 0; e < edges_.edges.size(); ++e) {
+      if (is_inner(e)) continue;
+      for (int32_t i = edges_.offsets[e]; i < edges_.offsets[e + 1]; ++i) {
+        const int32_t t = edges_.triangles[i];
+        if (size[face_[t]] == 1) continue;
+        const auto [a, b] = edges_.edges[e];
+        const bool is_along = next_in(triangles_[t], a) == b;
+        sides.push_back({face_[t], is_along ? a : b, is_along ? b : a});
+      }
+    }
+    bucket_sort(
+        sides, [](const Side& s) { return s.face; },
+        [](const Side& s, const Side& t) { return std::tie(s.from, s.to) < std::tie(t.from, t.to); });
+    return sides;
+  }
+
   /// One loop that turns left only, once round.
-  bool is_convex(const std::map<int32_t, int32_t>& next, const Vec3& normal) const {
+  bool is_convex(std::span<const Side> border, const Vec3& normal) const {
+    const auto side_from = [&](int32_t v) { return std::ranges::lower_bound(border, v, {}, &Side::from); };
     double turn = 0.0;
     size_t corners = 0;
-    const int32_t start = next.begin()->first;
-    int32_t a = start;
+    auto side = border.begin();
     do {
-      const auto b = next.find(a);
-      if (b == next.end() || ++corners > next.size()) return false;
-      const auto c = next.find(b->second);
-      if (c == next.end()) return false;
-      const Vec3 in = x_[b->second] - x_[a], out = x_[c->second] - x_[b->second];
+      if (++corners > border.size()) return false;
+      const auto next = side_from(side->to);
+      if (next == border.end() || next->from != side->to) return false;
+      const Vec3 in = x_[side->to] - x_[side->from], out = x_[next->to] - x_[next->from];
       const double sine = dot(cross(in, out), normal) / norm(normal);
       if (sine < -kStraight * norm(in) * norm(out)) return false;
       turn += std::atan2(sine, dot(in, out));
-      a = b->second;
-    } while (a != start);
-    return corners == next.size() && std::fabs(turn - 2.0 * std::numbers::pi) < kFullTurnError;
+      side = next;
+    } while (side != border.begin());
+    return corners == border.size() && std::fabs(turn - 2.0 * std::numbers::pi) < kFullTurnError;
   }
 
   std::span<const Vec3> x_;
@@ -134,7 +163,7 @@ class FaceFinder {
   double tolerance_;
   std::vector<int32_t> face_;  ///< seed of the face of each triangle
   std::vector<Vec3> normals_;
-  std::vector<std::vector<int32_t>> neighbours_;
+  std::vector<Neighbours> neighbours_;
 };
 
 }  // namespace

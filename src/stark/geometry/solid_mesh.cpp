@@ -5,7 +5,9 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <tuple>
 
+#include <stark/base/bucket_sort.h>
 #include <stark/base/error.h>
 #include <stark/geometry/embedding.h>
 #include <stark/geometry/topology.h>
@@ -139,6 +141,7 @@ std::vector<Index3> find_boundary_triangles(const SolidMesh& mesh) {
   };
   const int64_t count = static_cast<int64_t>(faces.size());
   std::vector<Face> all;
+  all.reserve(count * mesh.element_count());
   for (int64_t e = 0; e < mesh.element_count(); ++e)
     for (int64_t f = 0; f < count; ++f) {
       Face face{{-1, -1, -1, -1}, count * e + f};
@@ -147,9 +150,13 @@ std::vector<Index3> find_boundary_triangles(const SolidMesh& mesh) {
       std::ranges::sort(face.sorted);
       all.push_back(face);
     }
-  std::ranges::sort(all, [](const Face& a, const Face& b) {
-    return a.sorted != b.sorted ? a.sorted < b.sorted : a.number < b.number;
-  });
+  // By the second corner, which triangles have, too.
+  bucket_sort(
+      all, [](const Face& f) { return f.sorted[1]; },
+      [](const Face& a, const Face& b) {
+        return std::tie(a.sorted[0], a.sorted[2], a.sorted[3], a.number) <
+               std::tie(b.sorted[0], b.sorted[2], b.sorted[3], b.number);
+      });
   std::vector<int64_t> boundary;
   for (size_t begin = 0, end = 0; begin < all.size(); begin = end) {
     while (end < all.size() && all[end].sorted == all[begin].sorted) ++end;
@@ -172,8 +179,7 @@ std::vector<Index2> find_edges(const SolidMesh& mesh) {
       const int32_t a = mesh.element(e)[edge[0]], b = mesh.element(e)[edge[1]];
       edges.push_back({std::min(a, b), std::max(a, b)});
     }
-  std::ranges::sort(edges);
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  sort_unique(edges);
   return edges;
 }
 

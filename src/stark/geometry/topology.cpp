@@ -2,9 +2,12 @@
 #include <stark/geometry/topology.h>
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <string>
+#include <tuple>
 
+#include <stark/base/bucket_sort.h>
 #include <stark/base/error.h>
 
 namespace stark {
@@ -25,12 +28,11 @@ std::vector<HalfEdge> sorted_half_edges(std::span<const Index3> triangles) {
       half_edges.push_back({std::min(from, to), std::max(from, to), static_cast<int32_t>(t), from, to, apex});
     }
   }
-  std::sort(half_edges.begin(), half_edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    if (a.low != b.low) return a.low < b.low;
-    if (a.high != b.high) return a.high < b.high;
-    if (a.triangle != b.triangle) return a.triangle < b.triangle;
-    return a.from < b.from;
-  });
+  bucket_sort(
+      half_edges, [](const HalfEdge& e) { return e.low; },
+      [](const HalfEdge& a, const HalfEdge& b) {
+        return std::tie(a.high, a.triangle, a.from) < std::tie(b.high, b.triangle, b.from);
+      });
   return half_edges;
 }
 
@@ -46,11 +48,6 @@ void for_each_edge(std::span<const HalfEdge> half_edges, Body&& body) {
     body(half_edges.subspan(begin, end - begin));
     begin = end;
   }
-}
-
-void sort_unique(std::vector<Index2>& edges) {
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
 }
 
 template <size_t N>
@@ -89,6 +86,13 @@ double triangle_area(std::span<const Vec3> x, const Index3& t) {
 }
 
 }  // namespace
+
+void sort_unique(std::vector<Index2>& edges) {
+  bucket_sort(
+      edges, [](const Index2& e) { return e[0]; },
+      [](const Index2& a, const Index2& b) { return a[1] < b[1]; });
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+}
 
 std::vector<Index2> find_edges(std::span<const Index3> triangles) {
   std::vector<Index2> edges;
@@ -162,9 +166,11 @@ std::vector<Index3> find_boundary_triangles(std::span<const Index4> tets) {
     faces[number] = {oriented(static_cast<int64_t>(number)), static_cast<int64_t>(number)};
     std::sort(faces[number].sorted.begin(), faces[number].sorted.end());
   }
-  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
-    return a.sorted != b.sorted ? a.sorted < b.sorted : a.number < b.number;
-  });
+  bucket_sort(
+      faces, [](const Face& f) { return f.sorted[0]; },
+      [](const Face& a, const Face& b) {
+        return std::tie(a.sorted[1], a.sorted[2], a.number) < std::tie(b.sorted[1], b.sorted[2], b.number);
+      });
   std::vector<int64_t> boundary;
   for (size_t begin = 0; begin < faces.size();) {
     size_t end = begin + 1;
@@ -183,7 +189,7 @@ std::vector<int32_t> find_used_vertices(std::span<const Index3> triangles) {
   std::vector<int32_t> used;
   used.reserve(3 * triangles.size());
   for (const Index3& t : triangles) used.insert(used.end(), t.begin(), t.end());
-  std::sort(used.begin(), used.end());
+  bucket_sort(used, std::identity(), std::less());
   used.erase(std::unique(used.begin(), used.end()), used.end());
   return used;
 }

@@ -9,6 +9,9 @@
 
 namespace stark {
 
+/// Sorts edges (low, high) and leaves each once.
+void sort_unique(std::vector<Index2>& edges);
+
 /// Unique undirected edges of the triangles, each (low, high), sorted.
 std::vector<Index2> find_edges(std::span<const Index3> triangles);
 
