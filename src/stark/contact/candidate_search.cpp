@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <stark/base/collect.h>
 #include <stark/collision/broad_phase.h>
 #include <stark/collision/distant_pairs.h>
 #include <stark/contact/group_margins.h>
@@ -157,21 +158,18 @@ void CandidateSearch::Implementation::merge(const CandidateList& base, const Can
       return std::ranges::none_of(PairRow<kind.value>::vertices(mesh(), pair),
                                   [&](int32_t site) { return marked[site] != 0; });
     };
-    const int64_t tasks = std::max<int64_t>((std::ssize(old) + kPairsPerTask - 1) / kPairsPerTask, 1);
-    std::vector<std::vector<PrimitivePair>> parts(tasks);
-    pool.for_each_task(tasks, [&](int64_t task, int) {
-      const auto begin = old.begin() + task * kPairsPerTask;
-      const auto end = task + 1 < tasks ? begin + kPairsPerTask : old.end();
-      const auto from = task == 0 ? found_anew.begin() : std::ranges::lower_bound(found_anew, *begin);
-      const auto to = task + 1 < tasks ? std::ranges::lower_bound(found_anew, *end) : found_anew.end();
-      std::vector<PrimitivePair> still;
-      still.reserve(end - begin);
-      std::copy_if(begin, end, std::back_inserter(still), is_still);
-      parts[task].resize(still.size() + (to - from));
-      std::merge(still.begin(), still.end(), from, to, parts[task].begin());
-    });
-    out[kind].clear();
-    for (const auto& part : parts) out[kind].insert(out[kind].end(), part.begin(), part.end());
+    out[kind] = collect_ranges<PrimitivePair>(
+        pool, std::ssize(old), kPairsPerTask, [&](int64_t first, int64_t last, auto& part) {
+          const auto begin = old.begin() + first, end = old.begin() + last;
+          const auto from =
+              begin == old.begin() ? found_anew.begin() : std::ranges::lower_bound(found_anew, *begin);
+          const auto to = end == old.end() ? found_anew.end() : std::ranges::lower_bound(found_anew, *end);
+          std::vector<PrimitivePair> still;
+          still.reserve(end - begin);
+          std::copy_if(begin, end, std::back_inserter(still), is_still);
+          part.resize(still.size() + (to - from));
+          std::merge(still.begin(), still.end(), from, to, part.begin());
+        });
   });
 }
 

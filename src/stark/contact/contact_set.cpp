@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stark/base/collect.h>
 #include <stark/base/error.h>
 #include <stark/geometry/distance.h>
 
@@ -171,20 +172,15 @@ class Classifier {
 };
 
 template <typename Tag>
-void classify_all(const Classifier& classifier, Tag kind, const std::vector<PrimitivePair>& candidates,
-                  ThreadPool& pool, std::vector<Contact>& out) {
-  const int64_t count = static_cast<int64_t>(candidates.size());
-  const auto classify_range = [&](int64_t begin, int64_t end, std::vector<Contact>& found) {
-    Contact contact;
-    for (int64_t i = begin; i < end; ++i)
-      if (classifier.classify(kind, candidates[i], contact)) found.push_back(contact);
-  };
-  if (count <= kCandidatesPerTask) return classify_range(0, count, out);
-  std::vector<std::vector<Contact>> parts((count + kCandidatesPerTask - 1) / kCandidatesPerTask);
-  pool.for_each_range(count, kCandidatesPerTask, [&](int64_t begin, int64_t end) {
-    classify_range(begin, end, parts[begin / kCandidatesPerTask]);
-  });
-  for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
+std::vector<Contact> classify_all(const Classifier& classifier, Tag kind,
+                                  const std::vector<PrimitivePair>& candidates, ThreadPool& pool) {
+  return collect_ranges<Contact>(pool, std::ssize(candidates), kCandidatesPerTask,
+                                 [&](int64_t begin, int64_t end, std::vector<Contact>& out) {
+                                   Contact contact;
+                                   for (int64_t i = begin; i < end; ++i)
+                                     if (classifier.classify(kind, candidates[i], contact))
+                                       out.push_back(contact);
+                                 });
 }
 
 /// One contact of a point with each face. It is named by the face, so it stays the same one, with its
@@ -256,8 +252,10 @@ void find_contacts(const ContactGeometry& geometry, const CandidateList& candida
   out.clear();
   const Classifier classifier(geometry, x);
   for_each_pair_kind([&](auto kind) {
-    classify_all(classifier, kind, candidates[kind], pool, out);
-    if (kind == PairKind::PointTriangle && !geometry.face.empty()) keep_nearest_of_faces(geometry.face, out);
+    std::vector<Contact> found = classify_all(classifier, kind, candidates[kind], pool);
+    if (kind == PairKind::PointTriangle && !geometry.face.empty())
+      keep_nearest_of_faces(geometry.face, found);
+    out.insert(out.end(), found.begin(), found.end());
   });
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include <stark/base/collect.h>
 #include <stark/base/rotation.h>
 
 namespace stark {
@@ -202,24 +203,17 @@ std::vector<FrictionSet::Pair> FrictionSet::make_pairs(const std::vector<Contact
                                                        std::span<const Vec3> forces,
                                                        const FrictionTable& coefficient,
                                                        std::span<const Vec3> x) const {
-  const int64_t count = std::ssize(contacts);
-  std::vector<std::vector<Pair>> parts((count + kPairsPerTask - 1) / kPairsPerTask);
-  pool_.for_each_range(count, kPairsPerTask, [&](int64_t begin, int64_t end) {
-    std::vector<Pair>& part = parts[begin / kPairsPerTask];
-    PressedAreas areas;
-    for (int64_t c = begin; c < end; ++c) {
-      const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
-      if (!(mu.sticking > 0.0) || !(norm(forces[c]) > 0.0)) continue;
-      Pair pair = make_pair(contacts[c], mu, forces[c], x, areas);
-      pair.limit = (pair.slides ? mu.sliding : mu.sticking) * pair.force;
-      part.push_back(std::move(pair));
-    }
-  });
-  if (parts.empty()) return {};
-  std::vector<Pair> pairs = std::move(parts.front());
-  pairs.reserve(contacts.size());
-  for (size_t k = 1; k < parts.size(); ++k) std::ranges::move(parts[k], std::back_inserter(pairs));
-  return pairs;
+  return collect_ranges<Pair>(
+      pool_, std::ssize(contacts), kPairsPerTask, [&](int64_t begin, int64_t end, std::vector<Pair>& out) {
+        PressedAreas areas;
+        for (int64_t c = begin; c < end; ++c) {
+          const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
+          if (!(mu.sticking > 0.0) || !(norm(forces[c]) > 0.0)) continue;
+          Pair pair = make_pair(contacts[c], mu, forces[c], x, areas);
+          pair.limit = (pair.slides ? mu.sliding : mu.sticking) * pair.force;
+          out.push_back(std::move(pair));
+        }
+      });
 }
 
 void FrictionSet::renew(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
