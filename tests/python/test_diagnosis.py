@@ -207,6 +207,39 @@ def test_an_energy_that_jumps() -> None:
     assert report.diagnosis.bodies == ["cloth 'sheet'"]
 
 
+def test_a_step_taken_again_for_a_kink_names_the_energy() -> None:
+    """A force of 0.2 N that ends at a height: steps go on beyond it with half their length."""
+
+    @stark.energy
+    def ledge(p: stark.Point):
+        return stark.where(p.x[2] < -0.003, -0.2 * (p.x[2] + 0.003), 0.0)
+
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.4, 0.4, 4), stark.materials.cotton, name="sheet")
+    scene.add(ledge(sheet.vertices), name="shelf")
+    sim = stark.Simulation(scene, time_step=0.01)
+    reports = [sim.step() for _ in range(6)]
+    retried = [report.message for report in reports if report.status == "retried"]
+    assert retried and not any(report.failed for report in reports)
+    for message in retried:
+        assert "energy 'shelf' has a kink where cloth 'sheet' (vertex" in message
+        assert "its force jumps there by 0.2 N" in message and "energy.check()" in message
+        assert "over-constrained" not in message
+
+
+def test_a_step_taken_again_near_a_singular_place_names_the_energy() -> None:
+    @stark.energy
+    def well(p: stark.Point):
+        return stark.log(p.x[2] + 0.001)
+
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.4, 0.4, 4), stark.materials.cotton, name="sheet")
+    scene.add(well(sheet.vertices), name="well")
+    report = stark.Simulation(scene).step()
+    assert report.status == "retried"
+    assert "energy 'well' grows without bound: its force on cloth 'sheet' (vertex" in report.message
+
+
 def test_smooth_energies_that_act_where_a_step_fails_are_named() -> None:
     @stark.energy
     def spring(p: stark.Point, k: float):

@@ -446,7 +446,7 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
       break;
   }
   for (Verdict verdict :
-       {judge_prescribed(e, settings), judge_not_finite(e), judge_steep_energy(e), judge_rough_energy(e),
+       {judge_prescribed(e, settings), judge_not_finite(e), judge_users_energies(e),
         judge_tolerance(e, settings.newton), judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
     if (verdict.cause != FailureCause::None) return verdict;
   if (e.solve.status == SolveStatus::Detour && e.in_the_way) {

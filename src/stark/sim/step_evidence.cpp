@@ -339,4 +339,16 @@ StepEvidence collect_evidence(const FailedStep& step) {
   return evidence;
 }
 
+StepEvidence collect_energy_evidence(const FailedStep& step) {
+  StepEvidence evidence;
+  add_motion(step, evidence);
+  std::vector<double> gradient(3 * static_cast<size_t>(step.potential.block_count()), 0.0);
+  BlockMatrix hessian;
+  step.potential.linearize(false, gradient, hessian);
+  add_forces(step, gradient, evidence);
+  add_steep_energy(step, evidence);
+  evidence.rough = find_rough_energy(step, gradient);
+  return evidence;
+}
+
 }  // namespace stark

@@ -29,6 +29,9 @@ struct FailedStep {
 /// All of it but what an attempt reports itself. Linearises the potential where it stands.
 StepEvidence collect_evidence(const FailedStep& step);
 
+/// What of it tells of energies of users. Linearises the potential, too.
+StepEvidence collect_energy_evidence(const FailedStep& step);
+
 /// At most `count` of some contacts, the narrowest over their contact distance first.
 std::vector<NarrowGap> find_narrow_gaps(const Scene& scene, const Model& model,
                                         std::span<const Contact> contacts, size_t count);

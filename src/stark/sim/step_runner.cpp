@@ -5,10 +5,12 @@
 #include <limits>
 #include <optional>
 
+#include <stark/sim/attempt_failure.h>
 #include <stark/sim/internal_variables.h>
 #include <stark/sim/step_evidence.h>
 #include <stark/sim/step_runner.h>
 #include <stark/sim/time_marks.h>
+#include <stark/sim/verdict.h>
 
 namespace stark {
 
@@ -49,45 +51,6 @@ void add_counters(SolveReport& total, const SolveReport& attempt) {
   sum.projected_iterations += total.projected_iterations;
   sum.lag_updates += total.lag_updates;
   total = sum;
-}
-
-/// Why an attempt failed, and what could be done; both empty where others know better.
-struct Failure {
-  std::string cause, remedy;
-  std::string text() const { return remedy.empty() ? cause : cause + "; " + remedy; }
-};
-
-Failure failure_of(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::MaxIterations:
-      return {"Newton's method did not converge within newton.max_iterations",
-              "raise it, or loosen the tolerances"};
-    case SolveStatus::NotFinite:
-      return {"the energy or its derivatives are not finite",
-              "look for collapsed elements and extreme stiffness"};
-    case SolveStatus::LineSearchFailed:
-      return {"no step along the Newton direction lowers the energy",
-              "look for over-constrained bodies and for tolerances below rounding"};
-    case SolveStatus::LinearSolveFailed:
-      return {"the linear system could not be solved", "look for free bodies without inertia"};
-    case SolveStatus::Blocked:
-      return {"a scripted body or pinned vertex is blocked by an obstacle",
-              "change its motion or the obstacle, or raise newton.max_iterations if it could give way"};
-    case SolveStatus::Detour:
-      return {"bodies would change places within the step", "lower time.min_step"};
-    case SolveStatus::Interrupted:
-      return {"interrupted", ""};
-    case SolveStatus::TimeBudget:
-      return {"newton.max_seconds is used up", "raise it, make the scene smaller, or loosen the tolerances"};
-    case SolveStatus::RunAway:
-      return {"the bodies moved beyond any scale of the scene",
-              "hold them, or use an integrator with inertia"};
-    case SolveStatus::ConstraintViolated:  // StepJoints::violation_text() says which joint
-    case SolveStatus::Converged:
-    case SolveStatus::RoundOff:
-      break;
-  }
-  return {};
 }
 
 /// Residual over its tolerance, motion over that of lengths, from which prescribed parts pull no joint apart.
@@ -169,6 +132,7 @@ void StepRunner::begin() {
   timer_.reset();
   attempts_.clear();
   repeats_ = 0;
+  energy_at_fault_.clear();
   load_ = {state_.contact_bodies, state_.contact_factor};
   watch_.begin_step();
   linear_solver_.begin_step();
@@ -179,6 +143,8 @@ std::optional<double> StepRunner::next_attempt(double h) {
   const SolveStatus status = report_.solve.status;
   report_.message =
       status == SolveStatus::ConstraintViolated ? joints_.violation_text() : failure_of(status).text();
+  if (energy_at_fault_.empty() && is_stuck(status)) energy_at_fault_ = find_energy_at_fault(h);
+  if (!energy_at_fault_.empty()) report_.message = energy_at_fault_;
   if (status == SolveStatus::Interrupted) {
     finish_report(StepStatus::Interrupted);
     return {};
@@ -404,19 +370,32 @@ bool StepRunner::is_faster_than_light(double h) const {
   return false;
 }
 
+FailedStep StepRunner::last_attempt(const Configuration& target) {
+  return {.scene = scene_,
+          .settings = settings_,
+          .model = model_,
+          .energies = energies_,
+          .potential = potential_,
+          .contact = contact_,
+          .start = step_start_,
+          .target = target,
+          .direction = newton_.direction(),
+          .is_first_step = state_.step_count == 0,
+          .is_detour = report_.solve.status == SolveStatus::Detour};
+}
+
+std::string StepRunner::find_energy_at_fault(double h) {
+  if (scene_.energies().empty()) return {};
+  StepEvidence evidence = collect_energy_evidence(last_attempt(motion_.target_configuration(h)));
+  evidence.solve = report_.solve;
+  const Verdict verdict = judge_users_energies(evidence);
+  if (verdict.cause == FailureCause::None) return {};
+  return failure_of(report_.solve.status).cause + ": " + verdict.finding + "; " + verdict.remedy;
+}
+
 Diagnosis StepRunner::diagnose() {
   const double h = attempts_.back().time_step;
-  StepEvidence evidence = collect_evidence({.scene = scene_,
-                                            .settings = settings_,
-                                            .model = model_,
-                                            .energies = energies_,
-                                            .potential = potential_,
-                                            .contact = contact_,
-                                            .start = step_start_,
-                                            .target = motion_.target_configuration(h),
-                                            .direction = newton_.direction(),
-                                            .is_first_step = state_.step_count == 0,
-                                            .is_detour = report_.solve.status == SolveStatus::Detour});
+  StepEvidence evidence = collect_evidence(last_attempt(motion_.target_configuration(h)));
   evidence.solve = report_.solve;
   evidence.time_step = h;
   evidence.attempts = attempts_;

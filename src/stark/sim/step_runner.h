@@ -3,11 +3,13 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <stark/sim/diagnosis.h>
 #include <stark/sim/placing.h>
 #include <stark/sim/release_watch.h>
+#include <stark/sim/step_evidence.h>
 #include <stark/sim/step_joints.h>
 #include <stark/sim/step_ledger.h>
 #include <stark/sim/step_report.h>
@@ -66,6 +68,11 @@ class StepRunner : private StepPart {
   SolveReport minimize(double h, std::span<const double> guess, SolveReport& total);
   /// Whether something that is free to move did so faster than light in an attempt of length h [s].
   bool is_faster_than_light(double h) const;
+  /// Where it ended; `target`, of prescribed parts, must outlive it.
+  FailedStep last_attempt(const Configuration& target);
+  /// What is said where a kink, a jump or a singular place of a user's energy holds up an attempt of length
+  /// h.
+  std::string find_energy_at_fault(double h);
   /// Of the last attempt.
   Diagnosis diagnose();
   void finish_report(StepStatus status);
@@ -83,6 +90,7 @@ class StepRunner : private StepPart {
   std::vector<Attempt> attempts_;    ///< of the step under way
   bool is_same_if_shorter_ = false;  ///< a step without inertia in which nothing prescribed moves
   int repeats_ = 0;                  ///< of its shortest attempt
+  std::string energy_at_fault_;      ///< what is said of it; empty without one
   LoadMemory load_;                  ///< of its barriers: that of the state, more after attempts that failed
   EnergyLedger energies_before_;     ///< stored at the start of the last attempt
   std::vector<double> coordinates_before_;  ///< of joints, at the same time

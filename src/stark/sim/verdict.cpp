@@ -11,6 +11,8 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
+namespace {
+
 Verdict judge_steep_energy(const StepEvidence& e) {
   if (!e.steep) return {};
   return {
@@ -46,6 +48,13 @@ Verdict judge_rough_energy(const StepEvidence& e) {
       "does |d|, with a length, or speed, c that steps can resolve" +
           check,
       {rough.at.body}};
+}
+
+}  // namespace
+
+Verdict judge_users_energies(const StepEvidence& e) {
+  Verdict steep = judge_steep_energy(e);
+  return steep.cause != FailureCause::None ? steep : judge_rough_energy(e);
 }
 
 std::string acting_text(const StepEvidence& e) {

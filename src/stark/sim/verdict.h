@@ -17,8 +17,8 @@ struct Verdict {
 /// "a, b and c".
 std::string listed(const std::vector<std::string>& names);
 
-Verdict judge_steep_energy(const StepEvidence& e);
-Verdict judge_rough_energy(const StepEvidence& e);
+/// Of energies that grow without bound, have a kink or jump.
+Verdict judge_users_energies(const StepEvidence& e);
 
 /// Names the users' energies that act on what is out of balance and how to look into them; empty without any.
 std::string acting_text(const StepEvidence& e);
