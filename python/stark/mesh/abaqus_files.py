@@ -44,30 +44,60 @@ class Section(NamedTuple):
 
 
 def sections_of(file: Path) -> list[Section]:
-    """All of a file, nothing of one that includes others. InvalidMesh for several parts or instances, of
-    which meshio would keep the nodes of the last, and for nodes in several blocks."""
+    """All of a file and of those that it includes. InvalidMesh for several parts or instances, of which
+    meshio would keep the nodes of the last, and for nodes in several blocks."""
     found: list[Section] = []
-    continued = False
+    for text in _lines_of(file):
+        if text.startswith("*"):
+            found.append(_keyword_of(text))
+        elif found:
+            found[-1].lines.append([entry.strip() for entry in text.split(",") if entry.strip()])
+    _refuse_others(found, file)
+    return found
+
+
+def _lines_of(file: Path, includers: tuple[Path, ...] = ()) -> Iterator[str]:
+    """Without comments, those of a keyword as one; in their places the lines of files that *INCLUDE names,
+    and INPUT= as the data of another keyword."""
     try:
         lines = file.read_text(errors="replace").splitlines()
     except OSError as error:
-        raise InvalidMesh(f"'{file}': {error.strerror or error}: must be a readable mesh file") from None
+        by = f", which '{includers[-1]}' includes" if includers else ""
+        raise InvalidMesh(f"'{file}'{by}: {error.strerror or error}: must be a readable mesh file") from None
+    begun = ""
     for line in lines:
         text = line.strip()
         if not text or text.startswith("**"):
             continue
-        if text.startswith("*") or continued:
-            entries = [entry.strip() for entry in text.lstrip("*").split(",")]
-            if not continued:
-                found.append(Section(" ".join(entries.pop(0).upper().split()), {}, []))
-            for entry in filter(None, entries):
-                name, _, value = entry.partition("=")
-                found[-1].parameters[name.strip().upper()] = value.strip().strip('"')
-            continued = text.endswith(",")
-        elif found:
-            found[-1].lines.append([entry.strip() for entry in text.split(",") if entry.strip()])
-    _refuse_others(found, file)
-    return [] if any(section.keyword == "INCLUDE" for section in found) else found
+        begun, text = "", begun + text
+        if text.startswith("*") and text.endswith(","):
+            begun = text
+            continue
+        yield from _with_included(text, file, includers)
+    if begun:
+        yield from _with_included(begun, file, includers)
+
+
+def _with_included(text: str, file: Path, includers: tuple[Path, ...]) -> Iterator[str]:
+    section = _keyword_of(text) if text.startswith("*") else None
+    if section is None or section.keyword != "INCLUDE":
+        yield text
+    if section is None or not (name := section.parameters.get("INPUT", "")):
+        return
+    included = file.parent / name
+    if included in (chain := (*includers, file)):
+        raise InvalidMesh(f"'{file}' includes '{included}', which includes it: files must not go in circles")
+    yield from _lines_of(included, chain)
+
+
+def _keyword_of(text: str) -> Section:
+    """Of its line, without data."""
+    keyword, *entries = (entry.strip() for entry in text.lstrip("*").split(","))
+    section = Section(" ".join(keyword.upper().split()), {}, [])
+    for entry in filter(None, entries):
+        name, _, value = entry.partition("=")
+        section.parameters[name.strip().upper()] = value.strip().strip('"')
+    return section
 
 
 def _refuse_others(sections: Sequence[Section], file: Path) -> None:

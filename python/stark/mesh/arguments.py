@@ -125,3 +125,15 @@ def counts_around(shape: str, **counts: tuple[int, int]) -> list[int]:
     checked = [count_of(value, f"{shape}: {name}", least) for name, (value, least) in counts.items()]
     require_few(math.prod(checked), f"{shape}: {' and '.join(counts)} = {checked}")
     return checked
+
+
+def require_finite(vertices: NDArray[np.float64], what: str) -> None:
+    """Of what was read of a file. InvalidMesh names the first that is not: ``what``, and its number."""
+    bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+    if len(bad):
+        place = ", ".join(f"{x:g}" for x in vertices[bad[0]])
+        more = f", and {len(bad) - 1} more are not finite, either" if len(bad) > 1 else ""
+        raise InvalidMesh(
+            f"{what} {bad[0]} (from 0) is at ({place}){more}: coordinates must be finite; leave such "
+            f"vertices out where the file is written"
+        )

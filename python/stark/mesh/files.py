@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stark._core import InvalidMesh
 from stark.arguments import given_flag, given_path
 from stark.files import read_bytes
+from stark.mesh.arguments import require_finite
 from stark.mesh.obj_files import read_obj, text_of, vertex_of
 from stark.mesh.polygons import triangulated
 from stark.mesh.repair import merged, whole
@@ -81,6 +82,7 @@ def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
         mesh = _load_by_trimesh(file)
     if isinstance(mesh, TriangleMesh) and len(mesh.triangles) == 0:
         raise InvalidMesh(f"'{file}' has 0 triangles: must have at least one")
+    require_finite(mesh.vertices, f"'{file}': vertex")
     if is_merged and suffix != ".npz" and isinstance(mesh, TriangleMesh):
         return whole(mesh)
     return mesh
@@ -187,6 +189,7 @@ class _PlyBinary:
 
 def _read_stl(data: bytes, _: Path) -> TriangleMesh:
     corners = _text_stl(text_of(data)) if _is_text_stl(data) else _binary_stl(data)
+    require_finite(corners, "corner")
     # STL repeats every vertex for each of its triangles; equal corners are one vertex.
     return merged(TriangleMesh(corners, np.arange(len(corners)).reshape(-1, 3)))
 

@@ -134,6 +134,8 @@ def vertex_of(words: list[str], number: int, line: str) -> list[float]:
         raise ValueError(f"line {number}: {error}") from None
     if len(vertex) < 3:
         raise InvalidMesh(f"line {number}: a vertex needs three numbers, got '{line.strip()}'")
+    if not all(map(math.isfinite, vertex)):
+        raise InvalidMesh(f"line {number}: '{line.strip()}': coordinates must be finite")
     return vertex
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stark import _core
 from stark._core import InvalidMesh
 from stark.mesh.abaqus_files import cells_of, name_parts, sections_of
-from stark.mesh.arguments import Indices
+from stark.mesh.arguments import Indices, require_finite
 from stark.mesh.repair import oriented
 from stark.mesh.types import SolidMesh, TetMesh, TriangleMesh
 
@@ -63,6 +63,7 @@ def load_by_meshio(file: Path) -> TriangleMesh | TetMesh | SolidMesh:
     """The solid of a file, or else its surface, without vertices that no cell of it uses."""
     read = _read(file)
     cells = _cells(read, file)
+    _require_points(read, cells, file)
     corners = _numbering(read, cells)[cells.corners]
     points = read.points[np.unique(cells.corners)]
     if cells.kind in _PIECES:
@@ -166,6 +167,12 @@ def _cells(read: Any, file: Path) -> _Cells:
             first[k] = count
             count += len(data)
     return _Cells(kinds[0], np.concatenate(rows), first)
+
+
+def _require_points(read: Any, cells: _Cells, file: Path) -> None:
+    used = np.zeros(len(read.points), dtype=bool)
+    used[cells.corners] = True
+    require_finite(np.where(used[:, None], read.points, 0.0), f"'{file}': point")
 
 
 def _numbering(read: Any, cells: _Cells) -> Indices:

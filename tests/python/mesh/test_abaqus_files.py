@@ -158,3 +158,35 @@ def test_what_would_be_read_wrongly_is_refused(tmp_path: Path) -> None:
     round_nodes = part[0].replace("*Node", "*Node, system=C")
     with pytest.raises(stark.InvalidMesh, match=r"\*NODE, SYSTEM=C: must be Cartesian, R"):
         mesh.load(written(tmp_path, round_nodes, part[1]))
+
+
+def test_files_that_include_others_are_those_in_one_piece(tmp_path: Path) -> None:
+    """By *INCLUDE, also in the middle of data and within what is included, and by INPUT= of a keyword."""
+    cube = mesh.box_hexahedra(1.0, 2)
+    nodes, elements = nodes_text(cube.vertices), elements_text("C3D8", cube.elements)
+    sets = "*Nset, nset=ends\n1, 2\n*Elset, elset=one\n3"
+    whole, groups = groups_of(written(tmp_path, nodes, elements, sets))
+    (tmp_path / "parts").mkdir()
+    rows = nodes.splitlines()
+    (tmp_path / "parts" / "rest.inc").write_text("\n".join(rows[5:]))
+    (tmp_path / "parts" / "nodes.inc").write_text("\n".join([*rows[:5], "*INCLUDE, INPUT=rest.inc"]))
+    (tmp_path / "elements.inc").write_text("\n".join(elements.splitlines()[1:]))
+    pieces = (
+        "*Include,\n input=parts/nodes.inc",
+        "*Element, type=C3D8, input=elements.inc",
+        sets,
+    )
+    split, of_split = groups_of(written(tmp_path, *pieces))
+    np.testing.assert_array_equal(split.vertices, whole.vertices)
+    np.testing.assert_array_equal(split.elements, whole.elements)
+    assert set(of_split) == set(groups)
+    for name, group in groups.items():
+        np.testing.assert_array_equal(of_split[name].vertices, group.vertices)
+        np.testing.assert_array_equal(of_split[name].elements, group.elements)
+
+
+def test_included_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
+    with pytest.raises(stark.InvalidMesh, match=r"nowhere.inc', which '.*part.inp' includes: No such file"):
+        mesh.load(written(tmp_path, "*Include, input=nowhere.inc"))
+    with pytest.raises(stark.InvalidMesh, match=r"must not go in circles"):
+        mesh.load(written(tmp_path, "*Include, input=part.inp"))
