@@ -5,13 +5,14 @@ from __future__ import annotations
 import functools
 import inspect
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any, Self
 
 from stark._core import InvalidArgument
 from stark.body_kinds import has_pose
 from stark.formulas import tracing
 from stark.formulas.arguments import Argument, FrameArgument, PointArgument
+from stark.formulas.captured import captured
 from stark.formulas.frames import KINDS
 from stark.formulas.kinematics import Point
 from stark.formulas.parameters import Declaration, Parameter, Value, numbers_of, read_value
@@ -42,16 +43,20 @@ class RecordedEnergy:
         self.function = function
         self._declared_invariant = translation_invariant
         self._traces: dict[tuple[tuple[str, ...], tuple[str, ...]], tracing.Trace] = {}
+        self._captured: dict[str, Hashable] = {}
         self._lock = threading.Lock()
         functools.update_wrapper(self, function)  # type: ignore[arg-type]
         self.__signature__: inspect.Signature = _call_signature(signature, self.arguments)
 
     def trace(self, frames: Sequence[str] = (), spanning: Sequence[str] = ()) -> tracing.Trace:
         """The recorded formula; recorded once for each combination of kinds of frames, and of stencil
-        arguments whose points belong to several bodies."""
+        arguments whose points belong to several bodies, and again where a number has changed that the
+        function takes from around it."""
         kinds = tuple(frames) or ("sites",) * sum(isinstance(a, FrameArgument) for a in self.arguments)
         key = kinds, tuple(spanning)
         with self._lock:
+            if (now := captured(self.function)) != self._captured:
+                self._traces, self._captured = {}, now
             if key not in self._traces:
                 self._traces[key] = tracing.trace(self.name, self.function, self.arguments, *key)
             return self._traces[key]

@@ -39,6 +39,7 @@ class MaterialLaw(RecordedLaw):
             raise InvalidArgument(
                 f"{self.name}: base = {base!r}: must be a stark.{kind.__name__}, for which the law is"
             )
+        self._warn_of_changes()
         values = {p.name: self.value(p, given.pop(p.name, p.declaration.default)) for p in self.parameters}
         refuse_replaced(kind, self.name, [p.name for p in self.parameters], given, self.name)
         self.checked(values)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import functools
 import inspect
 import threading
-from collections.abc import Callable, Mapping, Sequence, Set
+import warnings
+from collections.abc import Callable, Hashable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -13,7 +14,9 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.errors import StarkWarning
 from stark.formulas.arguments import ClockArgument, read_clock, read_parameter
+from stark.formulas.captured import captured, changed
 from stark.formulas.internal import Internal, read_internal, split_result
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import Parameter, check_range, numbers_of
@@ -61,6 +64,7 @@ class RecordedLaw:
         self._strain = strain
         self.declared: dict[str, bool | None] = dict(declared)
         self._recorded: tuple[_core.Formula, ExpressionGraph, Sources] | None = None
+        self._captured: dict[str, Hashable] = {}
         self._lock = threading.Lock()
         # What makes it again, a function and its arguments, where it is not found by its name.
         self._origin: tuple[Any, ...] | None = None
@@ -143,8 +147,22 @@ class RecordedLaw:
     def _trace(self) -> tuple[_core.Formula, ExpressionGraph, Sources]:
         with self._lock:
             if self._recorded is None:
+                self._captured = captured(self._function)
                 self._recorded = self._record()
             return self._recorded
+
+    def _warn_of_changes(self) -> None:
+        """Of numbers around the function that are not what they were when it was recorded."""
+        if self._recorded is None or not (names := changed(self._captured, captured(self._function))):
+            return
+        which = ", ".join(f"'{name}'" for name in names)
+        those = "it a parameter" if len(names) == 1 else "them parameters"
+        warnings.warn(
+            f"{self.name}: {which} changed after the law was recorded, which keeps what it found then: make "
+            f"{those} of the law, or define the law again\n{self.location}",
+            StarkWarning,
+            stacklevel=3,
+        )
 
     @property
     def function(self) -> Callable[..., object]:

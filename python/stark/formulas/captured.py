@@ -1,0 +1,63 @@
+"""Numbers that a formula takes from around its function, closures and modules: recording makes them fixed."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+_DEPTH = 4  # of lists and dictionaries within others
+
+
+def captured(function: Callable[..., object]) -> dict[str, Hashable]:
+    """Equal as long as recording the function again would give the same: the numbers that it names, and those
+    of functions that it names."""
+    return _of_function(function, [])
+
+
+def changed(before: Mapping[str, Hashable], now: Mapping[str, Hashable]) -> list[str]:
+    """Names of what is not the same."""
+    return sorted(name for name in {*before, *now} if before.get(name) != now.get(name))
+
+
+def _of_function(function: Any, seen: list[object]) -> dict[str, Hashable]:
+    function = getattr(function, "function", function)  # of an energy within another
+    code = getattr(function, "__code__", None)
+    if code is None or any(function is other for other in seen):
+        return {}
+    seen.append(function)
+    named = {name for inner in _codes(code) for name in inner.co_names}
+    values = {name: function.__globals__[name] for name in named if name in function.__globals__}
+    for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):
+        try:
+            values[name] = cell.cell_contents
+        except ValueError:  # not assigned yet
+            continue
+    return {name: _of_value(values[name], seen, _DEPTH) for name in sorted(values)}
+
+
+def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
+    """That of a function and of those within it."""
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _codes(constant)
+
+
+def _of_value(value: Any, seen: list[object], depth: int) -> Hashable:
+    if value is None or isinstance(value, (bool, int, float, complex, str, np.generic)):
+        return type(value).__name__, repr(value)
+    if isinstance(value, np.ndarray):
+        return value.shape, value.dtype.str, value.tobytes()
+    if depth == 0 or isinstance(value, (types.ModuleType, type)):
+        return None
+    if any(isinstance(f, types.FunctionType) for f in (value, getattr(value, "function", None))):
+        return tuple(_of_function(value, seen).items())
+    if isinstance(value, (list, tuple)):
+        return tuple(_of_value(entry, seen, depth - 1) for entry in value)
+    if isinstance(value, dict):
+        return tuple((repr(name), _of_value(entry, seen, depth - 1)) for name, entry in value.items())
+    # Of other objects their own numbers and arrays.
+    return tuple((name, _of_value(entry, seen, 0)) for name, entry in getattr(value, "__dict__", {}).items())

@@ -1,0 +1,96 @@
+"""Numbers that formulas take from around their functions, and what happens where they change."""
+
+from __future__ import annotations
+
+import warnings
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stark
+from stark.formulas.captured import captured, changed
+
+STIFFNESS = 1.0
+TABLE: dict[str, Any] = {"k": [1.0, 2.0]}
+MODULUS = 1e4
+
+
+def stiffness() -> float:
+    return STIFFNESS
+
+
+@stark.energy
+def well(p: stark.Point):
+    return stiffness() * TABLE["k"][0] * (p.x @ p.x)
+
+
+@stark.material
+def law(F: stark.DeformationGradient, bulk: float = 1e5):
+    J = stark.determinant(F)
+    return MODULUS / 2 * (stark.squared_norm(F) - 3) - MODULUS * stark.log(J) + bulk / 2 * stark.pow(J - 1, 2)
+
+
+def energy_of_sheet(bind: Any) -> float:
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.4, 0.4, 2), pins=range(9))
+    energy = scene.add(bind(sheet.vertices))
+    sim = stark.Simulation(scene)
+    sim.step()
+    return float(energy.energy)
+
+
+def test_an_energy_takes_the_numbers_of_the_time_when_it_is_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also those of functions that it calls, and in lists."""
+    first = energy_of_sheet(well)
+    monkeypatch.setitem(globals(), "STIFFNESS", 5.0)
+    assert energy_of_sheet(well) == pytest.approx(5.0 * first, rel=1e-12)
+    monkeypatch.setitem(TABLE, "k", [3.0, 2.0])
+    assert energy_of_sheet(well) == pytest.approx(15.0 * first, rel=1e-12)
+
+
+def test_an_energy_keeps_what_it_was_bound_with() -> None:
+    factor = 1.0
+
+    @stark.energy
+    def pull(p: stark.Point):
+        return factor * (p.x @ p.x)
+
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.4, 0.4, 2), pins=range(9))
+    weak = scene.add(pull(sheet.vertices))
+    factor = 5.0
+    strong = scene.add(pull(sheet.vertices))
+    sim = stark.Simulation(scene)
+    sim.step()
+    assert strong.energy == pytest.approx(5.0 * weak.energy, rel=1e-12)
+
+
+def test_nothing_is_recorded_again_without_a_change() -> None:
+    assert well.trace() is well.trace()
+
+
+def test_a_law_says_that_it_keeps_its_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        law(density=1000.0)
+        law(density=900.0)
+    monkeypatch.setitem(globals(), "MODULUS", 5e4)
+    with pytest.warns(stark.StarkWarning, match="law: 'MODULUS' changed after the law was recorded"):
+        law(density=1000.0)
+
+
+def test_what_is_told_apart() -> None:
+    held = SimpleNamespace(k=1.0, table=np.ones(3))
+    later: Any
+
+    def function() -> Any:
+        return [held.k * held.table[i] for i in range(3)], later, np.pi
+
+    before = captured(function)
+    assert before == captured(function)
+    held.table[1] = 2.0
+    assert changed(before, captured(function)) == ["held"]
+    later = {"a": (1.0, True)}
+    assert changed(before, captured(function)) == ["held", "later"]
