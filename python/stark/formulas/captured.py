@@ -50,7 +50,7 @@ def _of_value(value: Any, seen: list[object], depth: int) -> Hashable:
     if value is None or isinstance(value, (bool, int, float, complex, str, np.generic)):
         return type(value).__name__, repr(value)
     if isinstance(value, np.ndarray):
-        return value.shape, value.dtype.str, value.tobytes()
+        return value.shape, value.dtype.str, hash(value.tobytes())
     if depth == 0 or isinstance(value, (types.ModuleType, type)):
         return None
     if any(isinstance(f, types.FunctionType) for f in (value, getattr(value, "function", None))):
