@@ -186,3 +186,24 @@ TEST_CASE("where less than half of the smaller face lies on the other, friction 
   contact.weights = {0.1, 0.9, -0.4, -0.6};
   CHECK(norm(squares.carriers().stencil(squares.mesh, contact, squares.x).shift) == 0.0);
 }
+
+TEST_CASE("arms are found by pair, and by point on another triangle of the same flat face") {
+  const std::vector<int32_t> patch{0, 1, 1, 3};
+  LeverArms arms;
+  arms.append({PairKind::PointTriangle, 0, 1}, {.site = 7, .part = 0.5});
+  arms.append({PairKind::PointTriangle, 2, 3}, {.site = 8, .part = 1.0});
+  arms.append({PairKind::EdgeEdge, 0, 2}, {.site = 9, .part = 0.2});
+  const auto site = [&](PairKind kind, int32_t first, int32_t second) {
+    const std::optional<LeverArm> arm = arms.find({kind, first, second}, patch);
+    return arm ? arm->site : -1;
+  };
+  CHECK(site(PairKind::PointTriangle, 0, 1) == 7);
+  CHECK(site(PairKind::PointTriangle, 0, 2) == 7);
+  CHECK(site(PairKind::PointTriangle, 0, 3) == -1);
+  CHECK(site(PairKind::PointTriangle, 2, 3) == 8);
+  CHECK(site(PairKind::PointTriangle, 2, 1) == -1);
+  CHECK(site(PairKind::EdgeEdge, 0, 2) == 9);
+  CHECK(site(PairKind::EdgeEdge, 0, 1) == -1);
+  arms.clear();
+  CHECK(site(PairKind::PointTriangle, 0, 1) == -1);
+}

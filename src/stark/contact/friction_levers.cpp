@@ -48,6 +48,18 @@ double smooth_step(double t) {
 
 }  // namespace
 
+void LeverArms::append(const PairKey& key, const LeverArm& arm) { arms_.push_back({key, arm}); }
+
+std::optional<LeverArm> LeverArms::find(const PairKey& key, std::span<const int32_t> patch) const {
+  const auto own = std::ranges::lower_bound(arms_, key, {}, &Entry::key);
+  if (own != arms_.end() && own->key == key) return own->arm;
+  if (key.kind != PairKind::PointTriangle || patch.empty()) return {};
+  for (auto entry = std::ranges::lower_bound(arms_, PairKey{key.kind, key.first, 0}, {}, &Entry::key);
+       entry != arms_.end() && entry->key.kind == key.kind && entry->key.first == key.first; ++entry)
+    if (patch[entry->key.second] == patch[key.second]) return entry->arm;
+  return {};
+}
+
 FrictionLevers::FrictionLevers(const SurfaceMesh& mesh, std::vector<LeverSite> sites,
                                std::vector<int32_t> patch)
     : sites_(std::move(sites)), patch_(std::move(patch)) {

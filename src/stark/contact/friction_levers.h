@@ -35,6 +35,23 @@ struct LeverArm {
   std::optional<SharedPlace> shared{};
 };
 
+/// Arms of contacts by their keys, which are in order.
+class LeverArms {
+ public:
+  void clear() { arms_.clear(); }
+  void append(const PairKey& key, const LeverArm& arm);
+  /// That of a pair, or of the same point on another triangle of the same flat face; patch as in
+  /// FrictionLevers.
+  std::optional<LeverArm> find(const PairKey& key, std::span<const int32_t> patch) const;
+
+ private:
+  struct Entry {
+    PairKey key;
+    LeverArm arm;
+  };
+  std::vector<Entry> arms_;
+};
+
 /// What pairs of faces share at the same site positions, by their triangles.
 using PressedAreas = std::map<Index2, std::optional<PressedArea>>;
 

@@ -101,8 +101,10 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
                                          const Vec3& force, std::span<const Vec3> x,
                                          PressedAreas& areas) const {
   const Pair* before = resets_ > 0 ? find(contact.key) : nullptr;
-  // Arms that followed the iterates of an impact would keep friction from settling.
-  const std::optional<LeverArm> arm = before ? std::optional(before->stencil.arm) : std::nullopt;
+  // Arms that followed the iterates of an impact would keep friction from settling. A corner that lifts off
+  // on the way to the solution comes back to its own.
+  std::optional<LeverArm> arm = resets_ > 0 ? arms_at_start_.find(contact.key, patch_) : std::nullopt;
+  if (!arm && before) arm = before->stencil.arm;
   Pair pair{.contact = contact,
             .stencil = carriers_.stencil(*mesh_, contact, x, arm, areas),
             .normal = normalized(force),
@@ -231,7 +233,11 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
   const LimitComparison comparison(before, now);
   if (resets_ == 0) {
     touching_.clear();
-    for (const Pair& pair : next) touching_.insert(bodies_of(pair));
+    arms_at_start_.clear();
+    for (const Pair& pair : next) {
+      touching_.insert(bodies_of(pair));
+      arms_at_start_.append(pair.contact.key, pair.stencil.arm);
+    }
   }
   ++resets_;
   if (comparison.is_settled() && resets_ > 1) {

@@ -200,6 +200,7 @@ class FrictionSet {
   std::vector<Pair> kept_;
   std::optional<std::vector<Pair>> next_start_;  ///< what is remembered in place of pairs_
   std::set<int64_t> touching_;                   ///< bodies that had friction at the start
+  LeverArms arms_at_start_;                      ///< of the step
   int resets_ = 0;                               ///< in this step
   RefreshShares shares_;
   std::vector<PotentialBatch> batches_;  ///< of 2 to 6 points, then the anisotropic ones if there are any
