@@ -19,7 +19,7 @@ AttemptFailure failure_of(SolveStatus status) {
       return {"a scripted body or pinned vertex is blocked by an obstacle",
               "change its motion or the obstacle, or raise newton.max_iterations if it could give way"};
     case SolveStatus::Detour:
-      return {"bodies would change places within the step", "lower time.min_step"};
+      return {"bodies would change places within the step", "lower time.step"};
     case SolveStatus::Interrupted:
       return {"interrupted", ""};
     case SolveStatus::TimeBudget:
