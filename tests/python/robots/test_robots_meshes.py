@@ -75,7 +75,7 @@ def test_vertices_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
     vertices = BOX.vertices.copy()
     vertices[3, 1] = np.nan
     file = written(tmp_path / "nan.obj", vertices)
-    refused = r"'arm': shape mesh: '.*nan.obj': vertex 3 is at \(.*nan.*\) m: positions must be finite"
+    refused = r"'arm': shape mesh: '.*nan.obj': line 4: 'v .*nan.*': coordinates must be finite"
     with pytest.raises(stark.InvalidArgument, match=refused):
         robot_with(Geometry("mesh", file=file))
     with pytest.raises(stark.InvalidArgument, match="shape mesh: vertex 3 is at"):
