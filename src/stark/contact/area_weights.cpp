@@ -11,6 +11,7 @@
 
 #include <stark/base/bucket_sort.h>
 #include <stark/geometry/edge_lookup.h>
+#include <stark/geometry/topology.h>
 
 namespace stark {
 
@@ -70,19 +71,13 @@ void for_each_patch(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::sp
 /// Edges with their lengths.
 using Border = std::vector<std::pair<Index2, double>>;
 
-/// Border of a patch; `sides` is room to work in.
-void find_border(const Patch& patch, const SurfaceMesh& mesh, std::span<const Vec3> rest,
-                 std::vector<Index2>& sides, Border& out) {
-  sides.clear();
-  out.clear();
-  for (const int32_t t : patch.triangles)
-    for (int k = 0; k < 3; ++k) sides.push_back(sorted(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]));
-  std::ranges::sort(sides);
-  for (size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    const Index2 edge = sides[begin];
-    while (end < sides.size() && sides[end] == edge) ++end;
-    if (end == begin + 1) out.push_back({edge, norm(rest[edge[1]] - rest[edge[0]])});
-  }
+Border find_border(const Patch& patch, const SurfaceMesh& mesh, std::span<const Vec3> rest) {
+  std::vector<Index3> triangles;
+  for (const int32_t t : patch.triangles) triangles.push_back(mesh.triangles[t]);
+  Border border;
+  for (const auto& [a, b] : find_boundary_edges(triangles))
+    border.push_back({sorted(a, b), norm(rest[b] - rest[a])});
+  return border;
 }
 
 std::set<int32_t> vertices_of(const Border& border) {
@@ -123,15 +118,13 @@ void AreaWeights::share_triangles(const SurfaceMesh& mesh, std::span<const Vec3>
                                   std::span<const int32_t> patch) {
   const EdgeLookup edges(mesh.edges);
   std::vector<std::pair<int32_t, Share>> of_vertices, of_edges;
-  std::vector<Index2> sides;
-  Border border;
   const int32_t groups = mesh.triangle_group.empty() ? 0 : *std::ranges::max_element(mesh.triangle_group) + 1;
   std::vector<double> total(groups, 0.0);
   cell_area_.assign(groups, 0.0);
   std::vector<bool> is_left_out(mesh.vertex_count, false);
   for (const int32_t v : mesh.inner) is_left_out[v] = true;
   for_each_patch(mesh, rest, patch, [&](const Patch& p) {
-    find_border(p, mesh, rest, sides, border);
+    const Border border = find_border(p, mesh, rest);
     double length = 0.0;
     for (const auto& [edge, l] : border) length += l;
     const bool is_triangle = p.triangles.size() == 1;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <stark/geometry/flat_faces.h>
+#include <stark/geometry/topology.h>
 
 namespace stark {
 
@@ -31,17 +32,9 @@ double area_of(std::span<const Vec3> x, const Index3& t) {
   return 0.5 * norm(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
 }
 
-Border find_border(std::span<const Vec3> x, std::span<const Index3> triangles,
-                   std::span<const int32_t> face) {
-  std::map<Index2, int> count;
-  for (const int32_t t : face)
-    for (int k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
-      ++count[{low, high}];
-    }
+Border find_border(std::span<const Vec3> x, std::span<const Index3> face) {
   Border border;
-  for (const auto& [edge, n] : count) {
-    if (n != 1) continue;
+  for (const Index2& edge : find_boundary_edges(face)) {
     const double length = norm(x[edge[1]] - x[edge[0]]);
     for (const int32_t v : edge) border.at_vertex[v] += length;
     border.length += length;
@@ -68,19 +61,18 @@ std::vector<Face> collect_faces(std::span<const Vec3> x, std::span<const Index3>
   return faces;
 }
 
-std::vector<int32_t> triangles_of(int32_t patch, const FlatFaces& flat) {
-  std::vector<int32_t> triangles;
-  for (size_t t = 0; t < flat.patch.size(); ++t)
-    if (flat.patch[t] == patch) triangles.push_back(static_cast<int32_t>(t));
-  return triangles;
+std::vector<Index3> triangles_of(size_t patch, const FlatFaces& flat, std::span<const Index3> triangles) {
+  std::vector<Index3> face;
+  for (size_t t = patch; t < triangles.size(); ++t)
+    if (flat.patch[t] == static_cast<int32_t>(patch)) face.push_back(triangles[t]);
+  return face;
 }
 
 /// Mean distance of the points of a face from its centre [m].
-double mean_distance(std::span<const Vec3> x, std::span<const Index3> triangles, const Face& face,
-                     std::span<const int32_t> of_face) {
+double mean_distance(std::span<const Vec3> x, std::span<const Index3> triangles, const Face& face) {
   double mean = 0.0;
-  for (const int32_t t : of_face) {
-    const auto& [i, j, k] = triangles[t];
+  for (const Index3& t : triangles) {
+    const auto& [i, j, k] = t;
     const Vec3 u = (x[j] - x[i]) / kFineParts, v = (x[k] - x[i]) / kFineParts;
     double sum = 0.0;
     for (int a = 0; a < kFineParts; ++a)
@@ -89,7 +81,7 @@ double mean_distance(std::span<const Vec3> x, std::span<const Index3> triangles,
         sum += norm(corner + (u + v) / 3.0);
         if (a + b < kFineParts - 1) sum += norm(corner + (u + v) * (2.0 / 3.0));
       }
-    mean += area_of(x, triangles[t]) / face.area * sum / (kFineParts * kFineParts);
+    mean += area_of(x, t) / face.area * sum / (kFineParts * kFineParts);
   }
   return mean;
 }
@@ -112,13 +104,13 @@ std::vector<FaceLever> find_face_levers(std::span<const Vec3> vertices, std::spa
   for (size_t patch = 0; patch < faces.size(); ++patch) {
     const Face& face = faces[patch];
     if (!face.is_convex || face.has_vertices_inside || !(face.area >= kLargeFace * surface)) continue;
-    const std::vector<int32_t> of_face = triangles_of(static_cast<int32_t>(patch), flat);
-    const Border border = find_border(vertices, triangles, of_face);
+    const std::vector<Index3> of_face = triangles_of(patch, flat, triangles);
+    const Border border = find_border(vertices, of_face);
     const double of_border = mean_distance_of_border(vertices, border, face.centre);
     if (!(of_border > 0.0)) continue;
-    const double part = std::min(1.0, mean_distance(vertices, triangles, face, of_face) / of_border);
+    const double part = std::min(1.0, mean_distance(vertices, of_face, face) / of_border);
     for (const auto& [v, length] : border.at_vertex)
-      levers.push_back({v, of_face.front(), face.centre + (vertices[v] - face.centre) * part});
+      levers.push_back({v, static_cast<int32_t>(patch), face.centre + (vertices[v] - face.centre) * part});
   }
   std::ranges::sort(levers, {}, [](const FaceLever& l) { return std::pair(l.vertex, l.triangle); });
   return levers;
