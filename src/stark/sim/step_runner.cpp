@@ -143,12 +143,12 @@ std::optional<double> StepRunner::next_attempt(double h) {
   const SolveStatus status = report_.solve.status;
   report_.message =
       status == SolveStatus::ConstraintViolated ? joints_.violation_text() : failure_of(status).text();
-  if (energy_at_fault_.empty() && is_stuck(status)) energy_at_fault_ = find_energy_at_fault(h);
-  if (!energy_at_fault_.empty()) report_.message = energy_at_fault_;
   if (status == SolveStatus::Interrupted) {
     finish_report(StepStatus::Interrupted);
     return {};
   }
+  if (energy_at_fault_.empty() && is_stuck(status)) energy_at_fault_ = find_energy_at_fault(h);
+  if (!energy_at_fault_.empty()) report_.message = energy_at_fault_;
   ++report_.rejected_steps;
   const bool is_last = is_shortest(h);
   if (contact_ && is_stuck(status) && (is_last || report_.rejected_steps >= kAttemptsBeforeRaise)) {
