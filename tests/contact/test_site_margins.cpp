@@ -3,8 +3,11 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
+#include <stark/base/rotation.h>
 #include <stark/contact/site_margins.h>
+#include <stark/geometry/shapes.h>
 #include <support/random_points.h>
 
 using namespace stark;
@@ -104,5 +107,61 @@ TEST_CASE("bounds are those of the groups with a marked site, and others stay as
   for (int group = 0; group < 2; ++group) {
     CHECK(bounds[group].low == expected[group].low);
     CHECK(bounds[group].high == expected[group].high);
+  }
+}
+
+TEST_CASE("what moves as one piece is marked as a whole, before one of its sites leaves its margin") {
+  SurfaceMesh mesh;
+  std::vector<Vec3> base;
+  const TriangleMesh ball = make_icosphere(0.1, 2);
+  for (int32_t g = 0; g < 2; ++g) {
+    const auto first = static_cast<int32_t>(base.size());
+    for (const Index3& t : ball.triangles) {
+      mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+      mesh.triangle_group.push_back(g);
+    }
+    for (const Vec3& p : ball.vertices) base.push_back(p + Vec3{0.3 * g, 0.0, 0.0});
+    mesh.vertex_group.resize(base.size(), g);
+  }
+  mesh.vertex_count = static_cast<int32_t>(base.size());
+  const auto half = static_cast<int32_t>(base.size() / 2);
+  std::vector<int32_t> sites(half);
+  std::iota(sites.begin(), sites.end(), 0);
+  mesh.frames = {find_frame(sites, base), std::nullopt};
+  const std::vector<double> margin{0.01, 0.01};
+  const SiteMargins margins(mesh);
+  CHECK(margins.site_count() == 2 * half);
+  // Both turn about their lowest points, by as much.
+  const auto turned = [&](double angle) {
+    std::vector<Vec3> x = base;
+    for (int32_t i = 0; i < 2 * half; ++i) {
+      const Vec3 foot{i < half ? 0.0 : 0.3, 0.0, -0.1};
+      x[i] = foot + exp_rotation({0.0, angle, 0.0}) * (base[i] - foot);
+    }
+    return x;
+  };
+  std::vector<uint8_t> marks;
+  for (const double angle : {0.01, 0.03, 0.049, 0.06, 0.2}) {
+    const std::vector<Vec3> x = turned(angle);
+    const int64_t count = margins.mark_beyond(1.0, margin, base, x, marks);
+    CHECK(count == std::ranges::count(marks, 1));
+    const auto in_piece = std::count(marks.begin(), marks.begin() + half, 1);
+    const auto alone = std::count(marks.begin() + half, marks.end(), 1);
+    CHECK((in_piece == 0 || in_piece == half));
+    if (alone > 0) CHECK(in_piece == half);
+    CHECK(margins.cover(margin, base, x) == (in_piece == 0 && alone == 0));
+    std::vector<uint8_t> leaving, more(base.size(), 0);
+    CHECK(margins.mark_leaving(margin, base, base, x, leaving) == count);
+    CHECK(margins.mark_leaving(margin, base, x, base, leaving) == count);
+    CHECK(leaving == marks);
+    CHECK(margins.mark_more(margin, base, x, more) == count);
+    CHECK(margins.mark_more(margin, base, x, more) == 0);
+    CHECK(more == marks);
+    std::vector<Bounds> bounds(2);
+    margins.bound(x, marks, bounds);
+    if (in_piece == half)
+      for (int32_t i = 0; i < half; ++i) CHECK(bounds[0].contains(x[i]));
+    else
+      CHECK(bounds[0].low.x > bounds[0].high.x);
   }
 }

@@ -142,3 +142,20 @@ TEST_CASE("surface directions are a part where friction depends on them") {
   // Without such a pair directions do not matter.
   CHECK(differing(parts({1, 0, 0}, 0.4, true), parts({0, 1, 0}, 0.4, true)).empty());
 }
+
+TEST_CASE("rigid bodies of many vertices move as one piece on their surfaces, others do not") {
+  Scene scene;
+  const BodyId ball = scene.add_rigid({.name = "ball", .mesh = make_icosphere(0.1, 3), .mass = 1.0});
+  const BodyId box = scene.add_rigid({.name = "box", .mesh = make_box({1, 1, 1}), .mass = 1.0});
+  const BodyId cloth = scene.add_cloth(
+      {.name = "cloth", .mesh = make_grid(0.2, 0.2, 20, 20), .material = materials::cotton()});
+  const Settings settings;
+  Energies energies;
+  const Model model(scene, settings, energies);
+  const SurfaceMesh mesh = model.make_surfaces(scene, settings).mesh;
+  CHECK(mesh.frame_of(box.index) == nullptr);  // eight vertices
+  CHECK(mesh.frame_of(cloth.index) == nullptr);
+  const GroupFrame* frame = mesh.frame_of(ball.index);
+  REQUIRE(frame != nullptr);
+  for (const int32_t site : frame->sites) CHECK(mesh.vertex_group[site] == ball.index);
+}

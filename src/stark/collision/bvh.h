@@ -44,7 +44,7 @@ class Bvh {
   /// Bounds of all groups at x, inflated by the group's value. for_each_pair and learn_clearances fit
   /// vertices and trees where they need them: x and group_inflation have to stay until then; trees are built
   /// anew where leaves have grown too much. moved: by vertex, not 0 where pairs of cells with it are asked
-  /// for; none: all are.
+  /// for, all or none of a group with a frame; none: all are.
   void refit(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool,
              std::span<const uint8_t> moved = {}) {
     refit(x, x, group_inflation, pool, moved, false);
@@ -99,6 +99,7 @@ class Bvh {
     int32_t chunk_begin = 0, chunk_end = 0;  // of its points
     double built_size = -1.0;                // sum of leaf extents when built; < 0: not built yet
     bool is_fitted = false;                  // vertices and nodes are those of the last refit
+    bool is_tight = true;                    // bounds are those of its points, not of its frame
     bool has_moved = true;                   // some of it
     MovingBox extent{};                      // of all of it
     Box bounds{};                            // of all its way
@@ -123,9 +124,13 @@ class Bvh {
              ThreadPool& pool, std::span<const uint8_t> moved, bool is_moving);
   void make_chunks();
   void bound(Chunk& chunk) const;
+  void bound_piece(const GroupFrame& frame, Chunk& chunk) const;
   void bound_groups();
+  void bound_group(Tree& tree, double inflation) const;
+  void tighten(int32_t group);
   void set_precision();
   void note_motion();
+  void note_places();
   void fit_trees(ThreadPool& pool);
   void fit_vertices(const Chunk& chunk);
   void finish_fit(Tree& tree);
@@ -174,6 +179,7 @@ class Bvh {
   int32_t looked_at_ = 0;
   std::vector<int32_t> task_begin_;  // tasks of one unit of parallel work
   std::vector<int32_t> order_;       // groups along the sweep axis
+  std::vector<float> lows_;          // where their bounds begin there, by group
 };
 
 template <typename Extent>

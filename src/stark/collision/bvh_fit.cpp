@@ -114,6 +114,10 @@ void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<co
 
 void Bvh::bound(Chunk& chunk) const {
   chunk.place = chunk.motion = chunk.from_clear = chunk.to_clear = {};
+  if (const GroupFrame* frame = mesh_.frame_of(chunk.group)) {
+    bound_piece(*frame, chunk);
+    return;
+  }
   chunk.has_moved = moved_.empty();
   const bool has_clearances = !clearances_.empty();
   for (int32_t k = chunk.begin; k < chunk.end; ++k) {
@@ -125,6 +129,30 @@ void Bvh::bound(Chunk& chunk) const {
     chunk.from_clear.add(x0_[v] - clear_at_[v]);
     if (is_moving_) chunk.to_clear.add(x1_[v] - clear_at_[v]);
   }
+}
+
+// Bounds of a frame are wider than those of its points. What has not moved gets these where they are needed.
+void Bvh::bound_piece(const GroupFrame& frame, Chunk& chunk) const {
+  chunk.has_moved = moved_.empty() || moved_[frame.sites[0]] != 0;
+  if (chunk.has_moved)
+    for (int32_t k = chunk.begin; k < chunk.end; ++k) chunk.place.add(x0_[points_[k]]);
+  else
+    chunk.place = frame.bound(x0_);
+  if (is_moving_) chunk.motion = frame.bound_motion(x0_, x1_);
+  if (clearances_.empty()) return;
+  chunk.from_clear = frame.bound_motion(clear_at_, x0_);
+  if (is_moving_) chunk.to_clear = frame.bound_motion(clear_at_, x1_);
+}
+
+void Bvh::tighten(int32_t group) {
+  Tree& tree = trees_[group];
+  if (tree.is_tight) return;
+  tree.is_tight = true;
+  for (int32_t c = tree.chunk_begin; c < tree.chunk_end; ++c) {
+    chunks_[c].place = {};
+    for (int32_t k = chunks_[c].begin; k < chunks_[c].end; ++k) chunks_[c].place.add(x0_[points_[k]]);
+  }
+  bound_group(tree, radius(group));
 }
 
 // Where boxes are measured from, and what rounding adds to them.
@@ -151,19 +179,22 @@ void Bvh::bound_groups() {
     Tree& tree = trees_[g];
     tree.is_fitted = false;
     tree.has_moved = moved_.empty();
-    tree.extent = {kEmptyBox, kEmptyBox};
-    const double r = radius(g);
-    for (int32_t k = tree.chunk_begin; k < tree.chunk_end; ++k) {
-      const Chunk& chunk = chunks_[k];
-      tree.extent.start = merge(tree.extent.start, box_of(chunk.place, origin_, r));
-      tree.has_moved |= chunk.has_moved;
-      if (is_moving_) tree.extent.motion = merge(tree.extent.motion, round_outward(chunk.motion));
-    }
-    tree.bounds = tree.extent.start;
-    if (!is_moving_ || tree.cell_count == 0) continue;
-    tree.bounds.low += min(tree.extent.motion.low, Float4{});
-    tree.bounds.high += max(tree.extent.motion.high, Float4{});
+    for (int32_t k = tree.chunk_begin; k < tree.chunk_end; ++k) tree.has_moved |= chunks_[k].has_moved;
+    tree.is_tight = tree.has_moved || mesh_.frame_of(g) == nullptr;
+    bound_group(tree, radius(g));
   }
+}
+
+void Bvh::bound_group(Tree& tree, double inflation) const {
+  tree.extent = {kEmptyBox, kEmptyBox};
+  for (int32_t k = tree.chunk_begin; k < tree.chunk_end; ++k) {
+    tree.extent.start = merge(tree.extent.start, box_of(chunks_[k].place, origin_, inflation));
+    if (is_moving_) tree.extent.motion = merge(tree.extent.motion, round_outward(chunks_[k].motion));
+  }
+  tree.bounds = tree.extent.start;
+  if (!is_moving_ || tree.cell_count == 0) return;
+  tree.bounds.low += min(tree.extent.motion.low, Float4{});
+  tree.bounds.high += max(tree.extent.motion.high, Float4{});
 }
 
 // Brings clearances up to date, or notes what the way from here will take of them.
@@ -182,7 +213,16 @@ void Bvh::note_motion() {
   clearances_.move(from_clear_);
   from_clear_.clear();
   to_clear_.clear();
-  std::ranges::copy(x0_.first(clear_at_.size()), clear_at_.begin());
+  note_places();
+}
+
+void Bvh::note_places() {
+  for (const Chunk& chunk : chunks_) {
+    const GroupFrame* frame = mesh_.frame_of(chunk.group);
+    const std::span<const int32_t> all(points_.data() + chunk.begin, points_.data() + chunk.end);
+    for (const int32_t v : frame != nullptr ? std::span<const int32_t>(frame->sites) : all)
+      clear_at_[v] = x0_[v];
+  }
 }
 
 void Bvh::fit_trees(ThreadPool& pool) {

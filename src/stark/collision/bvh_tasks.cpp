@@ -91,17 +91,20 @@ void Bvh::find_tasks(const PairFilter& filter) {
   for (int k = 1; k < 3; ++k) {
     if (all.high[k] - all.low[k] > all.high[axis] - all.low[axis]) axis = k;
   }
-  std::sort(order_.begin(), order_.end(), [&](int32_t i, int32_t j) {
-    const float a = trees_[i].bounds.low[axis], b = trees_[j].bounds.low[axis];
-    return a != b ? a < b : i < j;
-  });
+  // Bounds that are tightened on the way do not change the order.
+  lows_.resize(trees_.size());
+  for (const int32_t g : order_) lows_[g] = trees_[g].bounds.low[axis];
+  std::sort(order_.begin(), order_.end(),
+            [&](int32_t i, int32_t j) { return lows_[i] != lows_[j] ? lows_[i] < lows_[j] : i < j; });
   for (size_t i = 0; i < order_.size(); ++i) {
     const Box& box = trees_[order_[i]].bounds;
-    for (size_t j = i + 1; j < order_.size() && trees_[order_[j]].bounds.low[axis] <= box.high[axis]; ++j) {
+    for (size_t j = i + 1; j < order_.size() && lows_[order_[j]] <= box.high[axis]; ++j) {
       const int32_t a = order_[i], b = order_[j];
       const bool has_moved = trees_[a].has_moved || trees_[b].has_moved;
-      if (has_moved && box.overlaps(trees_[b].bounds) && filter.allowed(a, b) && !are_clear(a, b))
-        add_tasks(a, b, work);
+      if (!has_moved || !box.overlaps(trees_[b].bounds) || !filter.allowed(a, b) || are_clear(a, b)) continue;
+      tighten(a);
+      tighten(b);
+      if (box.overlaps(trees_[b].bounds)) add_tasks(a, b, work);
     }
   }
   if (task_begin_.back() != static_cast<int32_t>(tasks_.size())) {

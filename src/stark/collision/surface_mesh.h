@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include <stark/collision/group_frames.h>
 #include <stark/geometry/mesh.h>
 
 namespace stark {
@@ -18,6 +20,13 @@ struct SurfaceMesh {
   std::vector<Index2> edges;
   std::vector<Index3> triangles;
   std::vector<int32_t> vertex_group, edge_group, triangle_group;  // collision group (body) of each primitive
+  std::vector<std::optional<GroupFrame>> frames;  // by group, of those that move as one piece; may end early
+
+  /// Null for groups whose sites move by themselves.
+  const GroupFrame* frame_of(int32_t group) const {
+    const bool has_frame = static_cast<size_t>(group) < frames.size() && frames[group].has_value();
+    return has_frame ? &*frames[group] : nullptr;
+  }
 };
 
 /// Throws InvalidMesh for indices out of range, array sizes that do not match, repeated vertices, groups

@@ -39,17 +39,30 @@ bool is_beyond(const Vec3& a, const Vec3& b, double squared) { return !(squared_
 }  // namespace
 
 SiteMargins::SiteMargins(const SurfaceMesh& mesh) {
+  std::vector<Run> all;
   for (const int32_t site : find_surface_sites(mesh)) {
     const int32_t group = mesh.vertex_group[site];
-    if (runs_.empty() || runs_.back().end != site || runs_.back().group != group)
-      runs_.push_back({site, site, group});
-    runs_.back().end = site + 1;
+    if (all.empty() || all.back().end != site || all.back().group != group)
+      all.push_back({site, site, group});
+    all.back().end = site + 1;
     ++count_;
+  }
+  std::ranges::stable_sort(all, {}, &Run::group);
+  for (const Run& run : all) {
+    const GroupFrame* frame = mesh.frame_of(run.group);
+    if (frame == nullptr) {
+      runs_.push_back(run);
+      continue;
+    }
+    if (pieces_.empty() || pieces_.back().group != run.group) pieces_.push_back({*frame, run.group});
+    pieces_.back().runs.push_back(run);
   }
 }
 
 bool SiteMargins::cover(std::span<const double> margin, std::span<const Vec3> base,
                         std::span<const Vec3> x) const {
+  for (const Piece& piece : pieces_)
+    if (!(piece.frame.farthest(base, x) <= margin[piece.group])) return false;
   for (const Run& run : runs_) {
     const double squared = margin[run.group] * margin[run.group];
     for (int32_t begin = run.begin; begin < run.end; begin += kSitesPerLook) {
@@ -64,49 +77,67 @@ bool SiteMargins::cover(std::span<const double> margin, std::span<const Vec3> ba
   return true;
 }
 
+template <typename IsSite, typename IsPiece>
+int64_t SiteMargins::mark(std::span<uint8_t> out, IsSite&& is_site, IsPiece&& is_piece) const {
+  int64_t added = 0;
+  for (const Run& run : runs_) {
+    const auto is_wanted = is_site(run);
+    for (int32_t i = run.begin; i < run.end; ++i) {
+      const bool is_new = out[i] == 0 && is_wanted(i);
+      out[i] |= is_new ? 1 : 0;
+      added += is_new ? 1 : 0;
+    }
+  }
+  for (const Piece& piece : pieces_) {
+    if (out[piece.runs[0].begin] != 0 || !is_piece(piece)) continue;
+    for (const Run& run : piece.runs) {
+      std::fill(out.begin() + run.begin, out.begin() + run.end, 1);
+      added += run.end - run.begin;
+    }
+  }
+  return added;
+}
+
 int64_t SiteMargins::mark_beyond(double part, std::span<const double> margin, std::span<const Vec3> base,
                                  std::span<const Vec3> x, std::vector<uint8_t>& out) const {
   out.assign(x.size(), 0);
-  int64_t marked = 0;
-  for (const Run& run : runs_) {
-    const double squared = part * part * margin[run.group] * margin[run.group];
-    for (int32_t i = run.begin; i < run.end; ++i) {
-      out[i] = is_beyond(x[i], base[i], squared) ? 1 : 0;
-      marked += out[i];
-    }
-  }
-  return marked;
+  return mark(
+      out,
+      [&](const Run& run) {
+        return [&, squared = part * part * margin[run.group] * margin[run.group]](int32_t i) {
+          return is_beyond(x[i], base[i], squared);
+        };
+      },
+      [&](const Piece& piece) { return !(piece.frame.farthest(base, x) <= part * margin[piece.group]); });
 }
 
 int64_t SiteMargins::mark_more(std::span<const double> margin, std::span<const Vec3> base,
                                std::span<const Vec3> x, std::span<uint8_t> marked) const {
-  int64_t added = 0;
-  for (const Run& run : runs_) {
-    const double squared = margin[run.group] * margin[run.group];
-    for (int32_t i = run.begin; i < run.end; ++i) {
-      const bool is_new = marked[i] == 0 && is_beyond(x[i], base[i], squared);
-      marked[i] |= is_new ? 1 : 0;
-      added += is_new ? 1 : 0;
-    }
-  }
-  return added;
+  return mark(
+      marked,
+      [&](const Run& run) {
+        return [&, squared = margin[run.group] * margin[run.group]](int32_t i) {
+          return is_beyond(x[i], base[i], squared);
+        };
+      },
+      [&](const Piece& piece) { return !(piece.frame.farthest(base, x) <= margin[piece.group]); });
 }
 
 int64_t SiteMargins::mark_leaving(std::span<const double> margin, std::span<const Vec3> base,
                                   std::span<const Vec3> x0, std::span<const Vec3> x1,
                                   std::vector<uint8_t>& out) const {
   out.assign(x0.size(), 0);
-  int64_t marked = 0;
-  for (const Run& run : runs_) {
-    const double squared = margin[run.group] * margin[run.group];
-    for (int32_t i = run.begin; i < run.end; ++i) {
-      const bool starts = is_beyond(x0[i], base[i], squared);
-      const bool ends = is_beyond(x1[i], base[i], squared);
-      out[i] = static_cast<uint8_t>(static_cast<int>(starts) | static_cast<int>(ends));
-      marked += out[i];
-    }
-  }
-  return marked;
+  return mark(
+      out,
+      [&](const Run& run) {
+        return [&, squared = margin[run.group] * margin[run.group]](int32_t i) {
+          return is_beyond(x0[i], base[i], squared) | is_beyond(x1[i], base[i], squared);
+        };
+      },
+      [&](const Piece& piece) {
+        const double most = margin[piece.group];
+        return !(piece.frame.farthest(base, x0) <= most) || !(piece.frame.farthest(base, x1) <= most);
+      });
 }
 
 void SiteMargins::bound(std::span<const Vec3> x, std::span<const uint8_t> marked,
@@ -115,11 +146,15 @@ void SiteMargins::bound(std::span<const Vec3> x, std::span<const uint8_t> marked
   const auto is_marked = [](uint8_t m) { return m != 0; };
   for (const Run& run : runs_)
     has_moved[run.group] |= std::ranges::any_of(marked.subspan(run.begin, run.end - run.begin), is_marked);
+  for (const Piece& piece : pieces_) has_moved[piece.group] = marked[piece.runs[0].begin];
   for (size_t group = 0; group < bounds.size(); ++group)
     if (has_moved[group] != 0) bounds[group] = {};
-  for (const Run& run : runs_)
-    if (has_moved[run.group] != 0)
-      for (int32_t i = run.begin; i < run.end; ++i) bounds[run.group].add(x[i]);
+  const auto add = [&](const Run& run) {
+    if (has_moved[run.group] == 0) return;
+    for (int32_t i = run.begin; i < run.end; ++i) bounds[run.group].add(x[i]);
+  };
+  std::ranges::for_each(runs_, add);
+  for (const Piece& piece : pieces_) std::ranges::for_each(piece.runs, add);
 }
 
 }  // namespace stark

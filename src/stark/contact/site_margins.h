@@ -1,6 +1,7 @@
 // How far each site of the surfaces may move from where its pairs were found before they are looked for anew
 // (step phases 2, 4b and 4h). All sites are asked several times in every Newton iteration, so they are gone
-// through in runs of neighbours, without a branch for each.
+// through in runs of neighbours, without a branch for each. What moves as one piece is asked as a whole, and
+// all or none of it is marked, so that what is not marked stays where its frame was found.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@
 
 namespace stark {
 
-/// Margins are by group [m].
+/// Margins are by group [m]. Of groups with a frame the corners of their box count, for all sites.
 class SiteMargins {
  public:
   SiteMargins() = default;
@@ -42,9 +43,20 @@ class SiteMargins {
   struct Run {
     int32_t begin, end, group;
   };
+  /// A group with a frame, and its runs.
+  struct Piece {
+    GroupFrame frame;
+    int32_t group = 0;
+    std::vector<Run> runs{};
+  };
+
+  /// Marks what was not; returns how many. is_site(run) gives a test of sites.
+  template <typename IsSite, typename IsPiece>
+  int64_t mark(std::span<uint8_t> out, IsSite&& is_site, IsPiece&& is_piece) const;
 
   int64_t count_ = 0;
-  std::vector<Run> runs_;
+  std::vector<Run> runs_;      ///< of groups without a frame
+  std::vector<Piece> pieces_;  ///< by group
 };
 
 }  // namespace stark

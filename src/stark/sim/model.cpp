@@ -239,6 +239,17 @@ void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> res
     }
 }
 
+/// Of a rigid body with many vertices on its surface.
+std::optional<GroupFrame> find_body_frame(const ModelBody& body, std::span<const Vec3> rest) {
+  if (!is_rigid(body.kind)) return {};
+  std::vector<int32_t> sites;
+  for (const Index3& triangle : body.triangles)
+    for (const int32_t v : triangle) sites.push_back(body.first_site + v);
+  std::ranges::sort(sites);
+  sites.erase(std::ranges::unique(sites).begin(), sites.end());
+  return find_frame(sites, rest);
+}
+
 /// Three vertices of a body that span its motion, far apart.
 std::array<int32_t, 3> spanning_sites(const ModelBody& body, std::span<const Vec3> rest) {
   const auto farthest = [&](auto&& distance) {
@@ -284,6 +295,7 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     const bool has_faces = scene.surface_directions(id).size() <= 1;
     const bool moves = scene.motion(id) != Motion::Fixed;
     add_surface(bodies_[b], id.index, rest_positions_, has_faces, moves, surfaces);
+    mesh.frames.push_back(find_body_frame(bodies_[b], rest_positions_));
     surfaces.group_distance.push_back(contact_distance(scene, id, settings));
     surfaces.stiffness.push_back(contact_stiffness(scene, *this, id, settings));
     surfaces.core.push_back(scene.contact_core(id));
