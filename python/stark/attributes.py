@@ -40,6 +40,13 @@ class KnownAttributes:
             raise AttributeError(self._read_only_attribute(name))
         object.__setattr__(self, name, value)
 
+    def __delattr__(self, name: str) -> None:
+        if isinstance(getattr(type(self), name, None), property):
+            raise AttributeError(
+                f"{self!r}: {name} cannot be deleted: assign another value, where it has one"
+            )
+        object.__delattr__(self, name)
+
     def _read_only_attribute(self, name: str) -> str:
         """What is said of an assignment to an attribute that can only be read."""
         remedy = f": write {self._given_by[name]}" if name in self._given_by else ""

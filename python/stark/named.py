@@ -54,6 +54,10 @@ class NamedTuple(tuple[Part, ...], Generic[Part]):
         made._kind = kind
         return made
 
+    def __getnewargs__(self) -> tuple[str, tuple[Part, ...]]:
+        """For copies, which are of the same parts."""
+        return self._kind, tuple(self)
+
     @overload
     def __getitem__(self, at: SupportsIndex | str) -> Part: ...
 

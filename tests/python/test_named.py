@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import pytest
 
 import stark
@@ -80,3 +82,18 @@ def test_lists_and_tuples_are_those_of_python_otherwise() -> None:
     assert NamedTuple("part", [a, b]) == (a, b)
     assert b in NamedTuple("part", [a, b])
     assert b not in NamedList("part", [a])
+
+
+def test_copies_are_of_the_same_parts() -> None:
+    scene, sim = machine()
+    for parts in (scene.bodies, sim.bodies, scene.joints):
+        same = copy.copy(parts)
+        assert type(same) is type(parts) and list(same) == list(parts)
+        assert same[0] is parts[0] and same[parts[0].name] is parts[0]
+
+
+def test_attributes_are_not_deleted() -> None:
+    scene, sim = machine()
+    for owner, name in ((scene.bodies["wheel"], "name"), (sim, "state"), (scene.bodies["wheel"], "position")):
+        with pytest.raises(AttributeError, match=f"{name} cannot be deleted: assign another value"):
+            delattr(owner, name)

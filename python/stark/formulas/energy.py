@@ -13,9 +13,10 @@ from __future__ import annotations
 import functools
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NoReturn
 
 from stark._core import InvalidArgument
+from stark.arguments import refuse_copy
 from stark.formulas.arguments import read_arguments
 from stark.formulas.binding import BoundEnergy, RecordedEnergy, counted
 from stark.formulas.checks import check
@@ -111,6 +112,15 @@ class Binding(BoundEnergy):
         """As ``EnergyFormula.benchmark``."""
         self._is_used()
         return benchmark(self)
+
+    def __copy__(self) -> Binding:
+        return self.copy()
+
+    def __reduce_ex__(self, protocol: object) -> NoReturn:
+        refuse_copy(
+            f"{self.name} on {counted(self.element_count, 'element')}",
+            "it is bound to bodies of a scene; pickle the energy itself, and bind it where it is needed",
+        )
 
     def __repr__(self) -> str:
         return f"<{self.name} on {counted(self.element_count, 'element')}; add it with scene.add>"

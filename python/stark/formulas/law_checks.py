@@ -138,24 +138,34 @@ class Samples:
         turned = np.repeat(turned[None], _ROWS, axis=0)
         return float(np.abs(self.law.at(turned, turned, 0)[0] - self.rest[0]).max())
 
+    @cached_property
+    def strains(self) -> NDArray[Any]:
+        """Directions of F (modes, 3c) that are strains: stretches and shears of length 1."""
+        strains = []
+        for i, j in combinations_with_replacement(range(self.columns), 2):
+            unit = np.zeros((self.columns, self.columns))
+            unit[i, j] = unit[j, i] = 1.0 if i == j else math.sqrt(0.5)
+            strains.append((self.law.identity @ unit).T.reshape(-1))
+        return np.array(strains)
+
     @property
     def smallest_stiffness(self) -> float:
-        """Smallest eigenvalue of the stiffness at rest, relative to the largest."""
-        values = np.linalg.eigvalsh(self.rest[2])
+        """Smallest eigenvalue of the stiffness at rest, relative to the largest. Of objective laws against
+        strains alone: along a straight way of F a rotation stretches, which stress at rest resists or helps.
+        """
+        tangent = self.rest[2]
+        if self.objectivity_error <= _INVARIANCE_TOLERANCE:
+            tangent = self.strains @ tangent @ self.strains.T
+        values = np.linalg.eigvalsh(tangent)
         largest = np.abs(values).max(axis=1)
         return float((values[:, 0] / np.where(largest > 0.0, largest, 1.0)).min())
 
     @cached_property
     def free_strains(self) -> list[str]:
         """Strains that the law does not resist at rest, to first order."""
-        strains, names = [], []
-        for i, j in combinations_with_replacement(range(self.columns), 2):
-            unit = np.zeros((self.columns, self.columns))
-            unit[i, j] = unit[j, i] = 1.0 if i == j else math.sqrt(0.5)
-            strains.append((self.law.identity @ unit).T.reshape(-1))
-            names.append(f"{'stretch' if i == j else 'shear'} {'xyz'[i]}{'xyz'[j]}")
-        S = np.array(strains)
-        values, modes = np.linalg.eigh(S @ self.rest[2] @ S.T)
+        pairs = combinations_with_replacement(range(self.columns), 2)
+        names = [f"{'stretch' if i == j else 'shear'} {'xyz'[i]}{'xyz'[j]}" for i, j in pairs]
+        values, modes = np.linalg.eigh(self.strains @ self.rest[2] @ self.strains.T)
         stiff = np.abs(values).max(axis=1)[:, None]
         none = (np.abs(values) < _FREE_TOLERANCE * stiff) | (stiff == 0.0)
         row = int(none.sum(axis=1).argmax())

@@ -283,12 +283,14 @@ def _is_of_meshio(file: Path) -> bool:
 
 def _loaded_by_trimesh(trimesh: Any, file: Path) -> Any:
     if file.suffix.lower() != ".dae":
-        return trimesh.load(file, force="mesh")
+        return trimesh.load(
+            file, force="mesh", process=False
+        )  # processing drops vertices that are not finite
     from stark.mesh.collada import with_triangles
 
     data = io.BytesIO(with_triangles(file.read_bytes(), file))
     resolver = trimesh.resolvers.FilePathResolver(file)
-    return trimesh.load(data, file_type="dae", force="mesh", resolver=resolver)
+    return trimesh.load(data, file_type="dae", force="mesh", resolver=resolver, process=False)
 
 
 def _load_by_trimesh(file: Path) -> Mesh:

@@ -43,6 +43,7 @@ def groups_by_meshio(file: Path) -> dict[str, tuple[Indices, Indices]]:
     for k, block in enumerate(read.cells):
         for name, rows in _members(read, k):
             vertices, elements = parts.setdefault(name, ([], []))
+            _require_nodes(block.data[rows], len(number), f"'{file}': group '{name}': {block.type}", 0)
             vertices.append(number[np.unique(block.data[rows])])
             if k in cells.first:
                 pieces = len(_PIECES.get(block.type, (0,)))
@@ -139,6 +140,8 @@ def _read(file: Path) -> Any:
         why = " ".join(said.getvalue().split()) if isinstance(error, SystemExit) else f"{error}"
         if not isinstance(error, (SystemExit, meshio.ReadError)) or not why:
             why = "meshio finds no mesh in it" + (f" ({error})" if isinstance(error, ValueError) else "")
+            if isinstance(error, LookupError):
+                why = "an element names a node that is not there, or the file is cut off; write it anew"
         raise InvalidMesh(f"'{file}' cannot be read: {why}") from None
     if sections:
         name_parts(read, sections, file)
@@ -163,10 +166,23 @@ def _cells(read: Any, file: Path) -> _Cells:
             pieces = _PIECES.get(block.type)
             if pieces is not None:
                 data = data[:, np.asarray(pieces)].reshape(-1, 3)
+            _require_nodes(data, len(read.points), f"'{file}': {block.type}", count)
             rows.append(data)
             first[k] = count
             count += len(data)
     return _Cells(kinds[0], np.concatenate(rows), first)
+
+
+def _require_nodes(corners: NDArray[np.int64], points: int, what: str, before: int) -> None:
+    """That elements have nodes of the file. meshio gives -1 for numbers that no node has."""
+    strays = (corners < 0) | (corners >= points)
+    if strays.any():
+        row = int(np.flatnonzero(strays.any(axis=1))[0])
+        node = int(np.flatnonzero(strays[row])[0])
+        raise InvalidMesh(
+            f"{what} {before + row} (from 0): its node {node} (from 0) is none of the {points} in the file: "
+            f"elements must name nodes that are there; write the file anew, with all nodes"
+        )
 
 
 def _require_points(read: Any, cells: _Cells, file: Path) -> None:

@@ -105,6 +105,28 @@ def test_a_law_that_is_not_stable_is_warned_about() -> None:
     assert upside_down.check()["stability"].status == "wrong"
 
 
+def test_stress_at_rest_is_no_instability() -> None:
+    """A law that wants to be longer along x is under pressure at rest, which a rotation of F along a straight
+    way relieves. Its strains are resisted, and it goes to the stretches in closed form."""
+
+    @stark.material(stress_free=False)
+    def nematic(F: stark.DeformationGradient, mu: float = MODULUS, r: float = 2.0):
+        along = stark.vec(1.0, 0.0, 0.0)
+        C = F.T @ F
+        J = stark.determinant(F)
+        ordered = r ** (1 / 3) * (stark.trace(C) + (1 / r - 1) * (along @ (C @ along)))
+        return 0.5 * mu * (ordered - 3 - 2 * stark.log(J)) + 50 * mu * (J - 1) ** 2
+
+    assert warned(nematic) == ""
+    assert nematic.check()["stability"].status == "ok"
+    scene = stark.Scene()
+    block = scene.add_solid(stark.mesh.tet_box(0.1, 2), nematic(density=1e3))
+    sim = stark.Simulation(scene, {"time.integrator": "quasistatic"}, gravity=(0, 0, 0))
+    sim.step()
+    stretches = np.sort(np.ptp(block.positions, axis=0)) / 0.1
+    assert stretches == pytest.approx([2 ** (-1 / 6), 2 ** (-1 / 6), 2 ** (1 / 3)], rel=1e-5)
+
+
 def test_a_law_with_stress_at_rest_is_refused_unless_it_is_meant() -> None:
     @stark.material
     def tense(F: stark.DeformationGradient, mu: float = MODULUS):

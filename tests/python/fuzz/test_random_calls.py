@@ -151,6 +151,11 @@ def test_bad_arguments_are_refused(call: Callable[[], Any]) -> None:
         call()
 
 
+@stark.energy
+def fall(p: stark.Point, weight: float = 1.0):
+    return weight * p.x[2]
+
+
 def test_scenes_and_simulations_say_why_they_cannot_be_copied() -> None:
     world = World()
     sim = stark.Simulation(world.scene)
@@ -158,6 +163,7 @@ def test_scenes_and_simulations_say_why_they_cannot_be_copied() -> None:
         (world.scene, "build it again"),
         (sim, "assign its state"),
         (world.box, "build it again"),
+        (fall(world.box.points((0, 0, 0))), "pickle the energy itself"),
     ):
         for action in (copy.deepcopy, pickle.dumps):
             with pytest.raises(stark.InvalidArgument, match=f"cannot be copied or pickled: .*{remedy}"):

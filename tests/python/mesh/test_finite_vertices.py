@@ -56,6 +56,14 @@ def test_volumes_name_the_point(tmp_path: Path) -> None:
     assert "point 3 (from 0) is at (0, inf, 1)" in refusal(tmp_path / "a.vtu", VTU)
 
 
+def test_no_vertex_of_a_surface_is_dropped(tmp_path: Path) -> None:
+    """trimesh would go on without the vertex and its triangle."""
+    pytest.importorskip("trimesh")
+    off = "OFF\n4 2 0\n0 0 0\n1 0 {}\n0 1 0\n1 1 0\n3 0 1 2\n3 0 2 3\n"
+    assert "vertex 1 (from 0) is at (1, 0, nan)" in refusal(tmp_path / "a.off", off.format("nan"))
+    assert "vertex 1 (from 0) is at (1, 0, inf)" in refusal(tmp_path / "b.off", off.format("inf"))
+
+
 def test_points_of_no_cell_may_be_anything(tmp_path: Path) -> None:
     pytest.importorskip("meshio")
     file = tmp_path / "a.msh"

@@ -170,3 +170,58 @@ def test_files_without_groups_have_none(tmp_path: Path) -> None:
     assert mesh.load_groups(tmp_path / "box.vtu") == {}
     with pytest.raises(InvalidMesh, match=r"none.msh' cannot be read"):
         mesh.load_groups(tmp_path / "none.msh")
+
+
+VTK = (
+    "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n"
+    "0 0 0 1 0 0 0 1 0 0 0 1 0 0 2\nCELLS 1 5\n4 0 1 2 {}\nCELL_TYPES 1\n10\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        (
+            "a.msh",  # node 4 is not there, but 5 and 6 are
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n5 0 0 1\n6 0 0 2\n"
+            "$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n",
+        ),
+        (
+            "b.msh",
+            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 5 1 6\n3 1 0 5\n1\n2\n3\n5\n6\n0 0 0\n1 0 0\n"
+            "0 1 0\n0 0 1\n0 0 2\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n",
+        ),
+        ("a.vtk", VTK.format(-1)),
+        ("b.vtk", VTK.format(7)),
+        (
+            "a.mesh",
+            "MeshVersionFormatted 2\nDimension 3\nVertices\n5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 2 0\n"
+            "Tetrahedra\n1\n1 2 3 9 0\nEnd\n",
+        ),
+    ],
+)
+def test_nodes_that_are_not_there(name: str, content: str, tmp_path: Path) -> None:
+    """None is taken for the last one of the file."""
+    pytest.importorskip("meshio")
+    (tmp_path / name).write_text(content)
+    with pytest.raises(InvalidMesh, match=r"tetra 0 .*: its node 3 .* is none of the 5 in the file: .*must"):
+        mesh.load(tmp_path / name)
+
+
+def test_nodes_beyond_all_others(tmp_path: Path) -> None:
+    pytest.importorskip("meshio")
+    file = tmp_path / "a.inp"
+    file.write_text("*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4\n1,1,2,3,9\n")
+    with pytest.raises(InvalidMesh, match="an element names a node that is not there"):
+        mesh.load(file)
+
+
+def test_nodes_of_groups_that_are_not_there(tmp_path: Path) -> None:
+    pytest.importorskip("meshio")
+    file = tmp_path / "a.msh"
+    file.write_text(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n5 0 0 1\n6 0 0 2\n"
+        "$EndNodes\n$Elements\n2\n1 4 2 1 1 1 2 3 5\n2 2 2 7 1 1 2 4\n$EndElements\n"
+    )
+    with pytest.raises(InvalidMesh, match=r"group '7': triangle 0 .*: its node 2 .* is none of the 5"):
+        mesh.load_groups(file)
