@@ -198,7 +198,15 @@ class Scene(
             *self._unit_warnings(settings),
             *self._unused_warnings(),
             *thin_warnings(self._bodies, self._energies, self._attachments),
+            *self._twin_warnings(),
         ]
+
+    def _twin_warnings(self) -> list[str]:
+        if len(self._energies) < 2:
+            return []
+        from stark.formulas.twins import twin_warnings
+
+        return twin_warnings(self._energies, self._courses)
 
     # --- files ---
 
