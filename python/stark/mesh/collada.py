@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from stark._core import InvalidMesh
 from stark.mesh.polygons import triangulated
 
 
@@ -20,6 +21,8 @@ def with_triangles(data: bytes, file: Path) -> bytes:
     try:
         tree = ElementTree.parse(io.BytesIO(data))
         changed = [_replace(geometry, f"'{file}'") for geometry in _found(tree.getroot(), "mesh")]
+    except InvalidMesh:
+        raise
     except (ElementTree.ParseError, ValueError, LookupError, TypeError, OverflowError):
         return data
     if not any(changed):
@@ -34,7 +37,25 @@ def _found(element: Any, *names: str) -> list[Any]:
     return [part for part in element.iter() if str(part.tag).rpartition("}")[2] in names]
 
 
+def _require_corners(mesh: Any, source: str) -> None:
+    """That faces have vertices which are there: pycollada takes -1 for the last one, and trimesh
+    goes on without the meshes that name others."""
+    for part in _found(mesh, "triangles", "polylist", "polygons"):
+        inputs = _found(part, "input")
+        width = 1 + max((int(row.get("offset")) for row in inputs), default=0)
+        for vertex in inputs:
+            if vertex.get("semantic") != "VERTEX":
+                continue
+            named = _corners(part)[1][int(vertex.get("offset")) :: width]
+            count = len(_positions(mesh, vertex.get("source")))
+            if len(strays := named[(named < 0) | (named >= count)]):
+                raise InvalidMesh(
+                    f"{source}: a face has vertex {strays[0]}: must be in [0, {count}); write the file anew"
+                )
+
+
 def _replace(mesh: Any, source: str) -> bool:
+    _require_corners(mesh, source)
     changed = False
     for number, part in enumerate(_found(mesh, "polylist", "polygons")):
         counts, corners = _corners(part)

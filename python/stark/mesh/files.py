@@ -314,6 +314,8 @@ def _load_by_trimesh(file: Path) -> Mesh:
         loaded: Any = _loaded_by_trimesh(trimesh, file)
     except ImportError as error:
         raise ImportError(f"'{file}': {error}: pip install 'stark-sim[mesh]'") from error
+    except InvalidMesh:
+        raise
     except Exception as error:  # readers of many formats raise what they like
         raise InvalidMesh(
             f"'{file}' cannot be read: {error}; must be OBJ, PLY, STL, NPZ, or a mesh of a format of "

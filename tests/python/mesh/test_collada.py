@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stark import mesh
+from stark import InvalidMesh, mesh
 from stark.mesh.collada import with_triangles
 
 ANGLE = [(0.1, 0.0), (0.1, 0.02), (0.02, 0.02), (0.02, 0.1), (0.0, 0.1), (0.0, 0.0)]
@@ -74,3 +74,18 @@ def test_convex_polygons_keep_the_triangles_of_pycollada(tmp_path: Path) -> None
 )
 def test_other_files_stay_as_they_are(text: str) -> None:
     assert with_triangles(text.encode(), Path("a.dae")) == text.encode()
+
+
+@pytest.mark.parametrize("stray", [-1, 4])
+@pytest.mark.parametrize("kind", ["triangles", "polygons"])
+def test_vertices_that_are_not_there(stray: int, kind: str, tmp_path: Path) -> None:
+    """Neither the last vertex nor a mesh that is left out."""
+    pytest.importorskip("trimesh")
+    pytest.importorskip("collada")
+    faces = f"<{kind} count='2'><input semantic='VERTEX' source='#v' offset='0'/>"
+    corners = ["0 1 2", f"1 3 {stray}"]
+    rows = f"<p>{' '.join(corners)}</p>" if kind == "triangles" else "".join(f"<p>{c}</p>" for c in corners)
+    numbers = "0 0 0 1 0 0 0 1 0 1 1 0"
+    (tmp_path / "a.dae").write_text(HEAD.format(12, numbers, 4) + faces + rows + f"</{kind}>" + TAIL)
+    with pytest.raises(InvalidMesh, match=rf"a face has vertex {stray}: must be in \[0, 4\)"):
+        mesh.load(tmp_path / "a.dae")
