@@ -98,9 +98,8 @@ int64_t SiteMargins::mark(std::span<uint8_t> out, IsSite&& is_site, IsPiece&& is
   return added;
 }
 
-int64_t SiteMargins::mark_beyond(double part, std::span<const double> margin, std::span<const Vec3> base,
-                                 std::span<const Vec3> x, std::vector<uint8_t>& out) const {
-  out.assign(x.size(), 0);
+int64_t SiteMargins::add_beyond(double part, std::span<const double> margin, std::span<const Vec3> base,
+                                std::span<const Vec3> x, std::span<uint8_t> out) const {
   return mark(
       out,
       [&](const Run& run) {
@@ -111,16 +110,15 @@ int64_t SiteMargins::mark_beyond(double part, std::span<const double> margin, st
       [&](const Piece& piece) { return !(piece.frame.farthest(base, x) <= part * margin[piece.group]); });
 }
 
+int64_t SiteMargins::mark_beyond(double part, std::span<const double> margin, std::span<const Vec3> base,
+                                 std::span<const Vec3> x, std::vector<uint8_t>& out) const {
+  out.assign(x.size(), 0);
+  return add_beyond(part, margin, base, x, out);
+}
+
 int64_t SiteMargins::mark_more(std::span<const double> margin, std::span<const Vec3> base,
                                std::span<const Vec3> x, std::span<uint8_t> marked) const {
-  return mark(
-      marked,
-      [&](const Run& run) {
-        return [&, squared = margin[run.group] * margin[run.group]](int32_t i) {
-          return is_beyond(x[i], base[i], squared);
-        };
-      },
-      [&](const Piece& piece) { return !(piece.frame.farthest(base, x) <= margin[piece.group]); });
+  return add_beyond(1.0, margin, base, x, marked);
 }
 
 int64_t SiteMargins::mark_leaving(std::span<const double> margin, std::span<const Vec3> base,

@@ -53,6 +53,9 @@ class SiteMargins {
   /// Marks what was not; returns how many. is_site(run) gives a test of sites.
   template <typename IsSite, typename IsPiece>
   int64_t mark(std::span<uint8_t> out, IsSite&& is_site, IsPiece&& is_piece) const;
+  /// Marks more of those that are farther than `part` of their margin from `base`.
+  int64_t add_beyond(double part, std::span<const double> margin, std::span<const Vec3> base,
+                     std::span<const Vec3> x, std::span<uint8_t> out) const;
 
   int64_t count_ = 0;
   std::vector<Run> runs_;      ///< of groups without a frame
