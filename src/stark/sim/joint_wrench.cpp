@@ -67,8 +67,8 @@ Wrench joint_wrench(const JointDescription& description, const ConstraintSet& co
 }
 
 void let_go(State& state, int64_t first_residual, size_t count) {
-  for (std::vector<double>* forces : {&state.joint_multiplier, &state.joint_force})
-    std::fill_n(forces->begin() + first_residual, count, 0.0);
+  for (std::vector<double>* forces : {&state.joint_multiplier, &state.joint_force, &state.joint_carried})
+    if (!forces->empty()) std::fill_n(forces->begin() + first_residual, count, 0.0);
 }
 
 }  // namespace stark

@@ -48,6 +48,8 @@ void Simulation::set_state(const State& given) {
   State next = with_history(given, has_history(settings_.time.integrator));
   // Older versions kept nothing nearer to what joints pull with.
   if (next.joint_force.empty()) next.joint_force = next.joint_multiplier;
+  if (has_history(settings_.time.integrator) && next.joint_carried.empty())
+    next.joint_carried = next.joint_force;
   // Until a constraint holds what it finds, states keep no places; after that, they keep all.
   State like = state_;
   like.held_place = next.held_place.empty() ? next.held_place : model_->initial_places();

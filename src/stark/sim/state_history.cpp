@@ -15,6 +15,7 @@ void begin_history(State& state) {
         &state.body_spin_contact_increment, &state.body_spin_lag})
     field->assign(state.body_position.size(), Vec3{});
   state.previous_joint_rate = state.joint_rate;
+  state.joint_carried.assign(state.joint_force.size(), 0.0);
 }
 
 void drop_history(State& state) {
@@ -27,6 +28,7 @@ void drop_history(State& state) {
     field->clear();
   state.previous_body_rotation.clear();
   state.previous_joint_rate.clear();
+  state.joint_carried.clear();
 }
 
 State with_history(State state, bool keeps) {

@@ -153,7 +153,7 @@ std::string StepJoints::commit() {
   SelfStress::End end = potential_.end_constraints();
   std::string misfit = misfit_text(end.misfits);
   state_.joint_multiplier = std::move(end.multipliers);
-  state_.joint_force = std::move(end.forces);
+  take_forces(std::move(end.forces));
   constraints.set_forces(state_.joint_force);  // what loops do to themselves is not read, and breaks nothing
   commit_joints(x);
   commit_attachments();
@@ -173,6 +173,23 @@ std::string StepJoints::commit() {
     }
   }
   return misfit;
+}
+
+// A constraint force pushes with s; where that is less than the step although the velocity at its end is the
+// mean one, before an impact, the rest is what v_bar has of the last step. Read is what has pushed in the
+// mean. [theory eq. 26g]
+void StepJoints::take_forces(std::vector<double> forces) {
+  const TimeStencil& stencil = motion_.reference().stencil;
+  if (stencil.history != 0.0 && stencil.scale != stencil.duration) {
+    const double part = stencil.scale / stencil.duration;
+    for (size_t r = 0; r < forces.size(); ++r)
+      forces[r] = part * forces[r] + (1.0 - part) * state_.joint_carried[r];
+  }
+  state_.joint_force = std::move(forces);
+  if (!has_history(settings_.time.integrator)) return;
+  state_.joint_carried = state_.joint_force;
+  // An impact has no history.
+  if (motion_.reference().has_impact) std::ranges::fill(state_.joint_carried, 0.0);
 }
 
 std::string StepJoints::misfit_text() const { return misfit_text(potential_.end_constraints().misfits); }

@@ -70,6 +70,8 @@ class StepJoints : private StepPart {
   /// "joint 'knee' is apart by 0.1 m".
   std::string text_of(const ConstraintSet::Violation& worst) const;
   bool is_of_attachments(int32_t constraint) const;
+  /// Keeps what constraints have pulled with, given what they pull with at the end of a step [N, N m].
+  void take_forces(std::vector<double> forces);
   /// Takes efforts and memories over at the end of a step.
   void commit_actuators(std::span<const Vec3> x);
   /// Breaks joints whose force or torque is above what they stand, with sites at x at the end of a step.
