@@ -41,12 +41,10 @@ def _require_corners(mesh: Any, source: str) -> None:
     """That faces have vertices which are there: pycollada takes -1 for the last one, and trimesh
     goes on without the meshes that name others."""
     for part in _found(mesh, "triangles", "polylist", "polygons"):
-        inputs = _found(part, "input")
-        width = 1 + max((int(row.get("offset")) for row in inputs), default=0)
-        for vertex in inputs:
+        for vertex in _found(part, "input"):
             if vertex.get("semantic") != "VERTEX":
                 continue
-            named = _corners(part)[1][int(vertex.get("offset")) :: width]
+            named = _corners(part)[1][int(vertex.get("offset")) :: _width(part)]
             count = len(_positions(mesh, vertex.get("source")))
             if len(strays := named[(named < 0) | (named >= count)]):
                 raise InvalidMesh(
@@ -62,8 +60,7 @@ def _replace(mesh: Any, source: str) -> bool:
         if len(counts) == 0 or counts.max() < 4:
             continue
         inputs = _found(part, "input")
-        width = 1 + max(int(row.get("offset")) for row in inputs)
-        table = corners.reshape(-1, width)
+        table = corners.reshape(-1, _width(part))
         if counts.sum() != len(table) or _found(part, "ph"):
             continue  # holes are left to pycollada
         vertex = next(row for row in inputs if row.get("semantic") == "VERTEX")
@@ -75,13 +72,18 @@ def _replace(mesh: Any, source: str) -> bool:
     return changed
 
 
+def _width(part: Any) -> int:
+    """How many numbers a corner has: its vertex, its normal and more."""
+    return 1 + max(int(row.get("offset")) for row in _found(part, "input"))
+
+
 def _corners(part: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """How many corners each polygon has, and the numbers of all."""
     rows = [np.array((row.text or "").split(), dtype=np.int64) for row in _found(part, "p")]
     every = np.concatenate(rows) if rows else np.zeros(0, dtype=np.int64)
     for row in _found(part, "vcount"):
         return np.array((row.text or "").split(), dtype=np.int64), every
-    width = 1 + max(int(row.get("offset")) for row in _found(part, "input"))
+    width = _width(part)
     return np.array([len(row) // width for row in rows], dtype=np.int64), every
 
 

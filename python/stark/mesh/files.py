@@ -283,9 +283,8 @@ def _is_of_meshio(file: Path) -> bool:
 
 def _loaded_by_trimesh(trimesh: Any, file: Path) -> Any:
     if file.suffix.lower() != ".dae":
-        return trimesh.load(
-            file, force="mesh", process=False
-        )  # processing drops vertices that are not finite
+        # Processing drops vertices that are not finite.
+        return trimesh.load(file, force="mesh", process=False)
     from stark.mesh.collada import with_triangles
 
     data = io.BytesIO(with_triangles(file.read_bytes(), file))

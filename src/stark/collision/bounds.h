@@ -24,4 +24,10 @@ struct Bounds {
   }
 };
 
+/// By a distance in all directions.
+inline Bounds enlarged(const Bounds& bounds, double by) {
+  const Vec3 reach{by, by, by};
+  return {bounds.low - reach, bounds.high + reach};
+}
+
 }  // namespace stark

@@ -125,6 +125,7 @@ class Bvh {
   void make_chunks();
   void bound(Chunk& chunk) const;
   void bound_piece(const GroupFrame& frame, Chunk& chunk) const;
+  void add_places(Chunk& chunk) const;
   void bound_groups();
   void bound_group(Tree& tree, double inflation) const;
   void tighten(int32_t group);

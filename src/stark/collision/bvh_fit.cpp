@@ -40,11 +40,6 @@ Box round_outward(const Bounds& bounds) {
           Float4{round_up(high.x), round_up(high.y), round_up(high.z), 0.0f}};
 }
 
-Bounds enlarged(const Bounds& bounds, double r) {
-  const Vec3 reach{r, r, r};
-  return {bounds.low - reach, bounds.high + reach};
-}
-
 // Of what is within `bounds`, about the origin and enlarged by r.
 Box box_of(const Bounds& bounds, const Vec3& origin, double r) {
   return round_outward(enlarged({bounds.low - origin, bounds.high - origin}, r));
@@ -135,7 +130,7 @@ void Bvh::bound(Chunk& chunk) const {
 void Bvh::bound_piece(const GroupFrame& frame, Chunk& chunk) const {
   chunk.has_moved = moved_.empty() || moved_[frame.sites[0]] != 0;
   if (chunk.has_moved)
-    for (int32_t k = chunk.begin; k < chunk.end; ++k) chunk.place.add(x0_[points_[k]]);
+    add_places(chunk);
   else
     chunk.place = frame.bound(x0_);
   if (is_moving_) chunk.motion = frame.bound_motion(x0_, x1_);
@@ -144,13 +139,17 @@ void Bvh::bound_piece(const GroupFrame& frame, Chunk& chunk) const {
   if (is_moving_) chunk.to_clear = frame.bound_motion(clear_at_, x1_);
 }
 
+void Bvh::add_places(Chunk& chunk) const {
+  for (int32_t k = chunk.begin; k < chunk.end; ++k) chunk.place.add(x0_[points_[k]]);
+}
+
 void Bvh::tighten(int32_t group) {
   Tree& tree = trees_[group];
   if (tree.is_tight) return;
   tree.is_tight = true;
   for (int32_t c = tree.chunk_begin; c < tree.chunk_end; ++c) {
     chunks_[c].place = {};
-    for (int32_t k = chunks_[c].begin; k < chunks_[c].end; ++k) chunks_[c].place.add(x0_[points_[k]]);
+    add_places(chunks_[c]);
   }
   bound_group(tree, radius(group));
 }

@@ -1,6 +1,7 @@
 // See group_frames.h.
 #include <stark/collision/group_frames.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace stark {
@@ -27,12 +28,6 @@ double largest_of(const Sites& p) {
 
 Vec3 combine(const std::array<double, 4>& weights, const Sites& p) {
   return p[0] * weights[0] + p[1] * weights[1] + p[2] * weights[2] + p[3] * weights[3];
-}
-
-Bounds enlarged(Bounds bounds, double by) {
-  bounds.low -= Vec3{by, by, by};
-  bounds.high += Vec3{by, by, by};
-  return bounds;
 }
 
 /// The site for which `measure` is largest.
@@ -62,15 +57,19 @@ struct Motion {
 
 }  // namespace
 
+std::array<int32_t, 3> find_spanning_sites(std::span<const int32_t> sites, std::span<const Vec3> x) {
+  const int32_t a = find_most(sites, x, [&](const Vec3& p) { return squared_norm(p - x[sites[0]]); });
+  const int32_t b = find_most(sites, x, [&](const Vec3& p) { return squared_norm(p - x[a]); });
+  const Vec3 line = x[b] - x[a];
+  return {a, b, find_most(sites, x, [&](const Vec3& p) { return squared_norm(cross(p - x[a], line)); })};
+}
+
 std::optional<GroupFrame> find_frame(std::span<const int32_t> sites, std::span<const Vec3> x) {
   if (sites.size() < kFewestSites) return {};
-  // Far apart, one after the other: from a site, a line, a plane.
   GroupFrame frame;
   auto& [a, b, c, d] = frame.sites;
-  a = find_most(sites, x, [&](const Vec3& p) { return squared_norm(p - x[sites[0]]); });
-  b = find_most(sites, x, [&](const Vec3& p) { return squared_norm(p - x[a]); });
+  std::ranges::copy(find_spanning_sites(sites, x), frame.sites.begin());
   const Vec3 line = x[b] - x[a];
-  c = find_most(sites, x, [&](const Vec3& p) { return squared_norm(cross(p - x[a], line)); });
   const Vec3 normal = cross(line, x[c] - x[a]);
   const auto height = [&](const Vec3& p) { return std::fabs(dot(p - x[a], normal)); };
   d = find_most(sites, x, height);

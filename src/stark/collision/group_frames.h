@@ -27,6 +27,9 @@ struct GroupFrame {
   double farthest(std::span<const Vec3> x0, std::span<const Vec3> x1) const;
 };
 
+/// Three of the sites that span their motion, each far from those before it: from a site, from the line.
+std::array<int32_t, 3> find_spanning_sites(std::span<const int32_t> sites, std::span<const Vec3> x);
+
 /// The frame of these sites of x; none for few sites, which cost less by themselves, and for flat groups.
 std::optional<GroupFrame> find_frame(std::span<const int32_t> sites, std::span<const Vec3> x);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <ranges>
 
 #include <stark/base/error.h>
@@ -242,27 +243,16 @@ void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> res
 /// Of a rigid body with many vertices on its surface.
 std::optional<GroupFrame> find_body_frame(const ModelBody& body, std::span<const Vec3> rest) {
   if (!is_rigid(body.kind)) return {};
-  std::vector<int32_t> sites;
-  for (const Index3& triangle : body.triangles)
-    for (const int32_t v : triangle) sites.push_back(body.first_site + v);
-  std::ranges::sort(sites);
-  sites.erase(std::ranges::unique(sites).begin(), sites.end());
+  std::vector<int32_t> sites = find_used_vertices(body.triangles);
+  for (int32_t& site : sites) site += body.first_site;
   return find_frame(sites, rest);
 }
 
 /// Three vertices of a body that span its motion, far apart.
 std::array<int32_t, 3> spanning_sites(const ModelBody& body, std::span<const Vec3> rest) {
-  const auto farthest = [&](auto&& distance) {
-    int32_t best = body.first_site;
-    for (int32_t i = best; i < body.first_site + body.site_count; ++i)
-      if (distance(rest[i]) > distance(rest[best])) best = i;
-    return best;
-  };
-  const Vec3 from = rest[body.first_site];
-  const int32_t a = farthest([&](const Vec3& p) { return squared_norm(p - from); });
-  const int32_t b = farthest([&](const Vec3& p) { return squared_norm(p - rest[a]); });
-  const Vec3 axis = rest[b] - rest[a];
-  return {a, b, farthest([&](const Vec3& p) { return squared_norm(cross(p - rest[a], axis)); })};
+  std::vector<int32_t> sites(body.site_count);
+  std::iota(sites.begin(), sites.end(), body.first_site);
+  return find_spanning_sites(sites, rest);
 }
 
 /// Keeps the nodes of a rod from its edges that begin within half a turn of the tightest bend of a rod as
