@@ -18,7 +18,7 @@ def _rows(name: str) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-@pytest.mark.parametrize("name", ["cup", "robot_towel"])
+@pytest.mark.parametrize("name", ["cup", "robot_towel", "robot_towel_full"])
 def test_keys_are_those_of_the_plan(name: str, tmp_path: Path) -> None:
     rows = _rows(name)
     planned = tasks(Plan.read(ROOT / f"examples/{name}.toml"), tmp_path)
