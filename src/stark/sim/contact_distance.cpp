@@ -4,6 +4,7 @@
 
 #include <stark/base/error.h>
 #include <stark/sim/body_checks.h>
+#include <stark/sim/thin_sheets.h>
 #include <stark/sim/validation.h>
 
 namespace stark {
@@ -54,8 +55,8 @@ void check_resolved(const Scene& scene, BodyId body, const Settings& settings, s
 }
 
 std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings) {
-  std::vector<std::string> warnings;
-  if (!settings.contact.enabled) return warnings;
+  if (!settings.contact.enabled) return {};
+  std::vector<std::string> warnings = check_thin_sheets(scene, settings);
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     const BodyId body{i};
     if (!can_touch_itself(scene, body, settings)) continue;

@@ -21,7 +21,8 @@ inline constexpr double kTouching = 2e-13;
 void check_resolved(const Scene& scene, BodyId body, const Settings& settings, std::span<const Vec3> x);
 
 /// What a scene with these settings should be warned about: contact distances above half the smallest height
-/// of a triangle that can touch its own body, which makes a mesh press on itself at rest.
+/// of a triangle that can touch its own body, which makes a mesh press on itself at rest, and stacks of
+/// sheets that are much thinner.
 std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings);
 
 }  // namespace stark
