@@ -17,10 +17,6 @@ const double kMiddleSlope = slope(0.5);
 /// Part of the contact distance at which the largest lasting pressure is carried.
 constexpr double kLoadedGap = 0.1;
 
-/// A factor stays while the load asks for no less than this part of it and no more than its inverse: a body
-/// at rest is to rest. Gaps follow it one to one.
-constexpr double kEnough = 0.99;
-
 /// Cosine of the angle between a contact and the impact that has spent the layer, down to which it is of it.
 constexpr double kFacing = 0.5;
 
@@ -30,19 +26,6 @@ constexpr double kRaise = 1e3, kHighest = 1e9;
 /// What contact may store at the start of a step with raised factors, over what it did at the end of the one
 /// before: the difference comes out of nothing.
 constexpr double kMostStored = 1e3;
-
-/// Where a factor starts, and where it ends when the load is gone. It acts from 1 on: what is over by then
-/// was an impact, which must not meet a stiffer law on its way out.
-constexpr double kStart = 1.0 / 16.0;
-
-/// Follows the logarithm of what the load asks for with a delay, up and down alike: an oscillating load would
-/// pump what grows fast and shrinks slowly.
-double next_factor(double factor, double wanted, double duration) {
-  const double ratio = std::max(wanted, kStart) / factor;
-  if (kEnough < ratio && ratio < 1.0 / kEnough) return factor > kStart / kEnough ? factor : 0.0;
-  const double next = factor * std::pow(ratio, 1.0 - std::exp(-duration));
-  return next > kStart / kEnough ? next : 0.0;
-}
 
 constexpr int64_t kContactsPerTask = 1024;
 
@@ -58,19 +41,6 @@ int64_t area_code(const Contact& contact) {
 }  // namespace
 
 double relative_pressure(double r) { return r < 1.0 ? slope(r) / kMiddleSlope : 0.0; }
-
-void LoadMemory::add(int64_t code, double value) {
-  if (!(value > 0.0)) return;
-  bodies.push_back(code);
-  factor.push_back(value);
-}
-
-double LoadMemory::pending(int64_t code) const {
-  const auto found = std::ranges::lower_bound(bodies, code);
-  return found != bodies.end() && *found == code ? factor[found - bodies.begin()] : kStart;
-}
-
-double LoadMemory::find(int64_t code) const { return std::max(1.0, pending(code)); }
 
 ContactLaw::ContactLaw(AreaWeights areas, std::vector<BodyStiffness> bodies, std::vector<double> distance)
     : areas_(std::move(areas)), bodies_(std::move(bodies)), distance_(std::move(distance)) {}
@@ -174,7 +144,7 @@ LoadMemory ContactLaw::end_step(const std::vector<Contact>& contacts, std::span<
     const int64_t a = bodies >> 32, b = bodies & 0xffffffff;
     const bool exists = a >= 0 && a < count && b < count;  // states may name any
     if (exists && !is_given(static_cast<int32_t>(a), static_cast<int32_t>(b)))
-      memory.add(bodies, next_factor(memory_.pending(bodies), asked, duration));
+      memory.follow(memory_, bodies, asked, duration);
   }
   return memory;
 }
@@ -203,7 +173,10 @@ LoadMemory ContactLaw::raised(const std::vector<Contact>& contacts, std::span<co
     const auto bound = most.find(bodies);
     const double now = memory_.find(bodies), end = bound == most.end() ? kHighest : bound->second;
     const double highest = std::max(now, std::min({kRaise * now, kHighest, end}));
-    memory.add(bodies, asked > 1.0 ? std::clamp(asked, now, highest) : memory_.pending(bodies));
+    if (asked > 1.0)
+      memory.add(bodies, std::clamp(asked, now, highest));
+    else
+      memory.add(bodies, memory_.pending(bodies), memory_.trial_of(bodies));
   }
   return memory;
 }

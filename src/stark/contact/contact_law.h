@@ -18,20 +18,9 @@
 
 #include <stark/contact/area_weights.h>
 #include <stark/contact/contact_set.h>
+#include <stark/contact/load_memory.h>
 
 namespace stark {
-
-/// Pairs of bodies whose load asks for stiffer contact, and by how much. One factor for all contacts of two
-/// bodies: were each to follow its own load, all would be carried at the same gap and nothing would hold the
-/// distribution of a load over many contacts. Part of the State; sorted, without doubles.
-struct LoadMemory {
-  std::vector<int64_t> bodies;  ///< group_code()
-  std::vector<double> factor;   ///< up to 1 the load has not lasted long enough
-
-  double find(int64_t code) const;       ///< that acts: at least 1
-  double pending(int64_t code) const;    ///< as it is known, the smallest one when nothing is
-  void add(int64_t code, double value);  ///< codes in ascending order
-};
 
 /// Contact stiffness of a body: the pressure at which the gap is half of the contact distance.
 struct BodyStiffness {

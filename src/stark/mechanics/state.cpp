@@ -243,6 +243,8 @@ std::string first_length_difference(const State& a, const State& b) {
   if (a.friction_deflection.size() != a.friction_pair.size()) return "friction_deflection";
   if (a.friction_force.size() != a.friction_pair.size()) return "friction_force";
   if (a.contact_factor.size() != a.contact_bodies.size()) return "contact_factor";
+  if (const size_t n = a.contact_trial.size(); n != 0 && n != a.contact_bodies.size()) return "contact_trial";
+  if (a.contact_trial_age.size() != a.contact_trial.size()) return "contact_trial_age";
   if (a.contact_close_distance.size() != a.contact_close_bodies.size()) return "contact_close_distance";
 #define STARK_STATE_FIELD(type, name, unit, meaning)                                                     \
   if (constexpr std::string_view field = #name; field.starts_with("restitution_")) {                     \

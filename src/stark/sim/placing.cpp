@@ -241,7 +241,9 @@ void Placing::drop_contact_memory(const std::set<int32_t>& moved) {
                       moved.contains(groups_of(surface_mesh_, second_kind(key.kind))[key.second]));
   }
   keep(dropped, s.friction_pair, s.friction_deflection, s.friction_force);
-  keep(involved(s.contact_bodies, moved), s.contact_bodies, s.contact_factor);
+  const std::vector<bool> no_load = involved(s.contact_bodies, moved);
+  if (!s.contact_trial.empty()) keep(no_load, s.contact_trial, s.contact_trial_age);
+  keep(no_load, s.contact_bodies, s.contact_factor);
   keep(involved(s.contact_close_bodies, moved), s.contact_close_bodies, s.contact_close_distance);
   // As at the start: what is within its contact distance is not thrown apart.
   const CloseBodies now = contact_->find_close_bodies(model_.site_positions(s));

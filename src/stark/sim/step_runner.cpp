@@ -36,6 +36,10 @@ constexpr int kRepeatsOfShortest = 4;
 /// time.
 constexpr double kLoadTime = 0.1, kQuasistaticLoad = 4.0;
 
+LoadMemory load_of(const State& state) {
+  return {state.contact_bodies, state.contact_factor, state.contact_trial, state.contact_trial_age};
+}
+
 /// Newton's method came to no end, as where an impact has pressed a contact to next to nothing.
 bool is_stuck(SolveStatus status) {
   return status == SolveStatus::MaxIterations || status == SolveStatus::LineSearchFailed ||
@@ -133,7 +137,7 @@ void StepRunner::begin() {
   attempts_.clear();
   repeats_ = 0;
   energy_at_fault_.clear();
-  load_ = {state_.contact_bodies, state_.contact_factor};
+  load_ = load_of(state_);
   watch_.begin_step();
   linear_solver_.begin_step();
   set_deadline();
@@ -152,8 +156,7 @@ std::optional<double> StepRunner::next_attempt(double h) {
   ++report_.rejected_steps;
   const bool is_last = is_shortest(h);
   if (contact_ && is_stuck(status) && (is_last || report_.rejected_steps >= kAttemptsBeforeRaise)) {
-    LoadMemory raised = contact_->raised_load(potential_.site_positions(), step_start_,
-                                              {state_.contact_bodies, state_.contact_factor});
+    LoadMemory raised = contact_->raised_load(potential_.site_positions(), step_start_, load_of(state_));
     const bool is_raised = raised.bodies != load_.bodies || raised.factor != load_.factor;
     load_ = std::move(raised);
     const bool is_repeated = is_raised && is_last && status == SolveStatus::LineSearchFailed;
@@ -453,6 +456,8 @@ void StepRunner::commit_contact(double h) {
   state_.friction_pair = std::move(memory.friction.pair);
   state_.friction_deflection = std::move(memory.friction.deflection);
   state_.friction_force = std::move(memory.friction.force);
+  state_.contact_trial = memory.load.trials();
+  state_.contact_trial_age = memory.load.trial_ages();
   state_.contact_bodies = std::move(memory.load.bodies);
   state_.contact_factor = std::move(memory.load.factor);
   state_.contact_close_bodies = std::move(memory.close.bodies);
