@@ -5,7 +5,7 @@ below, m a = f + g and 2/5 m r alpha = f - g. While it rolls on both, alpha r = 
 a, the plate has 2 a, and F = (2 M + 0.7 n m) a. That takes f <= mu M g / n, F <= mu M g (1 + 20 M / (7 n m)).
 Beyond, the plate slips with f = mu M g / n, and the ball rolls on the ground, a = 10 f / (7 m).
 
-How far a wheel comes for the angle that it turns by."""
+How far a wheel comes for the angle that it turns by, and where balls go between plates that turn."""
 
 from __future__ import annotations
 
@@ -190,3 +190,49 @@ def test_a_spinning_ball_is_braked_as_by_a_disc(radius: float, fineness: int, di
     slowing = (start - ball.angular_velocity[2]) / 0.2
     arm = slowing * np.asarray(ball.inertia)[2, 2] / (mu * mass * gravity)
     assert arm == pytest.approx(0.4 * np.sqrt(radius * 2.0 * distance), rel=0.15)
+
+
+def orbit(step: float, integrator: str, rate: float) -> tuple[float, float]:
+    """Angle by which balls go round between a fixed plate and one that turns, over that of the plate, and by
+    which factor their distance from the axis grows in 1 s, the mean of three."""
+    distance, ball_radius, start = 2e-5, 6e-3, 0.05
+    scene = stark.Scene()
+    scene.default_friction = 0.5
+    scene.add_cylinder(0.09, 0.01, motion="fixed", position=(0, 0, -0.005))
+    above = (0, 0, 2 * ball_radius + 0.005 + 3.6 * distance)
+    top = scene.add_cylinder(0.09, 0.01, mass=2.0, position=above, angular_velocity=(0, 0, rate))
+    axle = scene.add_cylindrical(None, top, anchor=(0, 0, 0), axis="z")
+    axle.add_motor(target=rate, cap=5.0, delta=0.01, coordinate="angle")
+    speed, balls = 0.5 * rate * start, []
+    for angle in (0.0, 2.1, 4.2):
+        out = np.array([np.cos(angle), np.sin(angle), 0.0])
+        balls.append(
+            scene.add_sphere(
+                ball_radius,
+                density=7800.0,
+                position=start * out + (0, 0, ball_radius + 1.8 * distance),
+                velocity=speed * np.cross((0, 0, 1), out),
+                angular_velocity=-speed / ball_radius * out,
+            )
+        )
+    settings = {"time": {"integrator": integrator}, "contact": {"distance": distance}}
+    sim = stark.Simulation(scene, settings, time_step=step)
+    before, turned = np.array([0.0, 2.1, 4.2]), np.zeros(3)
+    for _ in sim.run(until=1.0):
+        now = np.array([np.arctan2(*ball.position[1::-1]) for ball in balls])
+        turned += (now - before + np.pi) % (2 * np.pi) - np.pi
+        before = now
+    radii = [np.hypot(*ball.position[:2]) for ball in balls]
+    return float(np.mean(turned)) / axle.coordinates["angle"], float(np.mean(radii)) / start
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+def test_balls_of_a_bearing_drift_outward_as_the_guide_says(integrator: str) -> None:
+    """They go round at half the rate of the plate. Friction takes the point of the plate that touches at the
+    end of a step, so that each step leads outward by (rate step)^2/8 of the distance (docs/friction.md); the
+    spin of the balls about the normal adds to it."""
+    for rate, step in ((3.0, 1 / 60), (6.0, 5e-3)):
+        turned, grown = orbit(step, integrator, rate)
+        assert turned == pytest.approx(0.5, abs=5e-4)
+        assert 0.8 < np.log(grown) / (rate**2 * step / 8) < 1.3
