@@ -12,6 +12,7 @@ from stark.bodies import Cloth, Rod, Solid
 from stark.formulas import Point, Triangle, Vec3, energy, parameter
 from stark.formulas.law_checks import Law
 from stark.formulas.material_law import MaterialLaw
+from stark.materials import SolidMaterial
 from stark.selections import Points, Stencils
 from stark.symbolic import Scalar, dot
 
@@ -121,15 +122,27 @@ def _modulus(material: Any) -> float | None:
     nothing is known."""
     law = material.law
     if law is None:
-        return float(np.max(material.youngs_modulus))
+        return _held_sideways(material)
     recorded = None if material._recorded is None else material._recorded[0]
     if isinstance(recorded, MaterialLaw):
         values = recorded.values_of(material)
         rows = max(len(np.atleast_1d(value)) for value in values.values()) if values else 1
         sampled = Law(recorded, values)
         return float(np.abs(sampled.at(np.repeat(sampled.identity[None], rows, axis=0))[2]).max())
+    names = {row["name"] for row in law.parameters}
     moduli = [float(np.max(getattr(material, row["name"]))) for row in law.parameters if row["unit"] == "Pa"]
+    if {"youngs_modulus", "poissons_ratio"} <= names:
+        moduli.append(_held_sideways(material))
     return max(moduli, default=0.0) or None
+
+
+def _held_sideways(material: Any) -> float:
+    """[Pa]: of the stress over the strain of solids that other rollers keep from getting thicker. It grows
+    without bound towards Poisson's ratio 0.5; cloths get thicker freely."""
+    modulus, ratio = np.asarray(material.youngs_modulus), np.asarray(material.poissons_ratio)
+    if not isinstance(material, SolidMaterial):
+        return float(np.max(modulus))
+    return float(np.max(modulus * (1.0 - ratio) / ((1.0 + ratio) * (1.0 - 2.0 * ratio))))
 
 
 def _cell_size(solid: Solid) -> float:

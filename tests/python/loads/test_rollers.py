@@ -89,6 +89,25 @@ def test_supports_are_as_stiff_as_the_law_asks_for(law: str) -> None:
     assert end.forces.sum(axis=(0, 1))[0] == pytest.approx(1e-3 * E * 0.04 * 0.03, rel=4e-3)
 
 
+@pytest.mark.parametrize("law", ["stable_neo_hookean", "neo_hookean"])
+@pytest.mark.parametrize("ratio", [0.3, 0.49, 0.499])
+def test_a_block_between_walls_is_as_stiff_as_its_bulk(ratio: float, law: str) -> None:
+    """Of rubber that nothing lets get thicker; supports of its Young's modulus took a fifth of the force."""
+    rubber = stark.SolidMaterial(law=law, density=1000, youngs_modulus=E, poissons_ratio=ratio)
+    scene = stark.Scene()
+    block = scene.add_solid(stark.mesh.box_hexahedra(0.1, 3), rubber, formulation="mean_dilatation")
+    at = block.mesh.vertices
+    for k, axis in enumerate("xyz"):
+        scene.add_rollers(block.vertices[at[:, k] < -0.0499], axis)
+        scene.add_rollers(block.vertices[at[:, k] > 0.0499], axis, shift=-1e-5 if axis == "z" else 0.0)
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    report = sim.step()
+    assert not report.failed and not report.caveats
+    confined = E * (1.0 - ratio) / ((1.0 + ratio) * (1.0 - 2.0 * ratio))
+    push = sim.energies[-1].forces.sum(axis=(0, 1))[2]
+    assert push == pytest.approx(-confined * 1e-4 * 0.01, rel=3e-3)
+
+
 def test_a_frame_of_rods_stays_in_its_plane() -> None:
     """A column under less than Euler's load about its weak axis in the plane, and more than that across."""
     strip = stark.RodMaterial(density=1000.0, youngs_modulus=1e9, width=0.002, height=0.01)
