@@ -15,6 +15,7 @@ from stark import _core
 from stark._core import InvalidMesh
 from stark.mesh.abaqus_files import cells_of, name_parts, sections_of
 from stark.mesh.arguments import Indices, require_finite
+from stark.mesh.gmsh_files import require_numbers
 from stark.mesh.repair import oriented
 from stark.mesh.types import SolidMesh, TetMesh, TriangleMesh
 
@@ -128,6 +129,8 @@ def _read(file: Path) -> Any:
         import meshio
     except ImportError as error:
         raise ImportError(f"'{file}': this format needs meshio: pip install 'stark-sim[mesh]'") from error
+    if file.suffix.lower() == ".msh":
+        require_numbers(file)
     sections = sections_of(file) if file.suffix.lower() == ".inp" and file.is_file() else []
     said = io.StringIO()
     try:
