@@ -148,7 +148,19 @@ def _read_ply(data: bytes, file: Path) -> TriangleMesh:
                 if name == "face" and property_name in ("vertex_indices", "vertex_index"):
                     corners.extend(int(v) for v in values)
                     counts.append(entries)
+                    _require_corners(values, len(vertices), len(counts) - 1)
+    if reader.rest():
+        raise InvalidMesh(
+            "there is more behind the elements that its header declares: their counts and properties must "
+            "be those of the file; write it again"
+        )
     return TriangleMesh(vertices, triangulated(vertices, counts, corners, lambda k: f"'{file}': face {k}"))
+
+
+def _require_corners(corners: Any, count: int, face: int) -> None:
+    wrong = [int(v) for v in corners if not 0 <= v < count]
+    if wrong:
+        raise InvalidMesh(f"face {face} has the vertex {wrong[0]}: must be in [0, {count - 1}], from 0 on")
 
 
 class _PlyText:
@@ -166,6 +178,9 @@ class _PlyText:
     def table(self, count: int, properties: list[tuple[str, str, str]]) -> dict[str, Any]:
         rows = np.array(self.values("f8", count * len(properties))).reshape(count, len(properties))
         return {name: rows[:, i] for i, (name, _, _) in enumerate(properties)}
+
+    def rest(self) -> list[bytes]:
+        return self._words[self._at :]
 
 
 class _PlyBinary:
@@ -185,6 +200,9 @@ class _PlyBinary:
         result = np.frombuffer(self._body, dtype=kind, count=count, offset=self._at)
         self._at += size
         return result
+
+    def rest(self) -> bytes:
+        return self._body[self._at :].strip()
 
 
 def _read_stl(data: bytes, _: Path) -> TriangleMesh:
@@ -281,7 +299,33 @@ def _is_of_meshio(file: Path) -> bool:
     return file.suffix.lower() in meshio.extension_to_filetypes
 
 
+def _require_off_counts(file: Path) -> None:
+    """As many lines as the header of an OFF file declares: trimesh leaves out what is too much, and takes
+    faces for vertices where those are too few. Other headers are left to it."""
+    text = text_of(file.read_bytes())
+    lines = [words for words in (line.split("#")[0].split() for line in text.splitlines()) if words]
+    if not lines or lines[0][0].upper() not in ("OFF", "COFF"):
+        return
+    lines = [lines[0][1:], *lines[1:]] if len(lines[0]) > 1 else lines[1:]
+    if not lines or len(lines[0]) < 2 or not all(word.isdigit() for word in lines[0]):
+        return
+    vertices, faces = int(lines[0][0]), int(lines[0][1])
+    if len(lines) - 1 != vertices + faces:
+        raise InvalidMesh(
+            f"'{file}' declares {vertices} vertices and {faces} faces, but {len(lines) - 1} lines follow: "
+            f"must be one for each; the file was cut off, or its header is wrong, write it again"
+        )
+    for number, words in enumerate(lines[1 + vertices :]):
+        if not words[0].isdigit() or len(words) <= int(words[0]):
+            raise InvalidMesh(
+                f"'{file}': face {number} (from 0) is '{' '.join(words)}': must be a count and as many "
+                f"vertices"
+            )
+
+
 def _loaded_by_trimesh(trimesh: Any, file: Path) -> Any:
+    if file.suffix.lower() == ".off":
+        _require_off_counts(file)
     if file.suffix.lower() != ".dae":
         # Processing drops vertices that are not finite.
         return trimesh.load(file, force="mesh", process=False)

@@ -131,7 +131,8 @@ def vertex_of(words: list[str], number: int, line: str) -> list[float]:
     try:
         vertex = [float(word) for word in words[1:4]]
     except ValueError as error:
-        raise ValueError(f"line {number}: {error}") from None
+        comma = "; decimals need a point, not a comma" if any("," in word for word in words) else ""
+        raise ValueError(f"line {number}: {error}{comma}") from None
     if len(vertex) < 3:
         raise InvalidMesh(f"line {number}: a vertex needs three numbers, got '{line.strip()}'")
     if not all(map(math.isfinite, vertex)):

@@ -65,6 +65,33 @@ def test_damaged_files_are_errors_without_a_word(
     assert capfd.readouterr() == ("", "")
 
 
+OFF = "# a\nOFF # b\n4 2 0\n0 0 0\n1 0 0\n\n0 1 0\n1 1 0 0.5 # c\n3 0 1 2 255 0 0\n3 1 3 2\n"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("3 1 3 2\n", "", "declares 4 vertices and 2 faces, but 5 lines follow: must be one for each"),
+        ("3 1 3 2\n", "3 1 3 2\n3 0 1 3\n", "declares 4 vertices and 2 faces, but 7 lines follow"),
+        ("1 0 0\n", "", "declares 4 vertices and 2 faces, but 5 lines follow"),
+        ("3 1 3 2\n", "3 1 3", r"face 1 \(from 0\) is '3 1 3': must be a count and as many vertices"),
+    ],
+)
+def test_lines_of_off_files_that_do_not_agree_with_their_counts(
+    old: str, new: str, message: str, tmp_path: Path
+) -> None:
+    """Faces were left out in silence, or became vertices."""
+    pytest.importorskip("trimesh")
+    path = tmp_path / "part.off"
+    path.write_text(OFF)
+    assert len(mesh.load(path).vertices) == 4
+    path.write_text(OFF.replace("OFF # b\n4", "OFF 4"))
+    assert len(mesh.load(path).vertices) == 4
+    path.write_text(OFF.replace(old, new))
+    with pytest.raises(InvalidMesh, match=rf"part\.off' {message}|part\.off': {message}"):
+        mesh.load(path)
+
+
 def test_files_that_are_no_meshes_are_one_error(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """XML is a format of meshio, which warns of each element that it does not know."""
     pytest.importorskip("trimesh")
