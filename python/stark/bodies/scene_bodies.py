@@ -154,6 +154,7 @@ class SceneBodies(SceneLink):
         solid = Solid(self, self._core.add_solid(given, material._core), volume, color)
         solid._shared["material"] = material
         solid._warn_of_locking(formulation)
+        solid._warn_of_doubles()
         if initial_positions is not None:
             solid._rest_placement = given["position"], given["rotation"]
         self._append(solid)

@@ -25,6 +25,19 @@ LINEAR = {4: "linear tetrahedra", 8: "hexahedra of 8 nodes"}
 _LOCKING_RATIO = 0.48
 
 
+def doubles(elements: Indices) -> Indices:
+    """(n, 2): of each element with the nodes of an earlier one, that one and its own number."""
+    nodes = np.sort(elements, axis=1)
+    factors = np.cumprod(np.full(nodes.shape[1], 0x9E3779B97F4A7C15, dtype=np.uint64))
+    keys = nodes.astype(np.uint64) @ factors  # modulo 2^64; numbers are sorted faster than rows
+    if len(np.unique(keys)) == len(keys):
+        return np.zeros((0, 2), dtype=np.int32)
+    _, first, which = np.unique(nodes, axis=0, return_index=True, return_inverse=True)
+    own = first[which.reshape(-1)]
+    later = np.flatnonzero(own != np.arange(len(nodes)))
+    return np.column_stack((own[later], later)).astype(np.int32)
+
+
 class Solid(LayeredBody):
     """A soft volume."""
 
@@ -50,6 +63,19 @@ class Solid(LayeredBody):
         text = self._locking() if formulation == "displacement" else ""
         if text and not self._scene._adds_a_whole:
             warnings.warn(f"solid '{self.name}': {text}", StarkWarning, stacklevel=3)
+
+    def _warn_of_doubles(self) -> None:
+        """Elements that fill the same place, as of two overlapping groups of a mesher."""
+        pairs = doubles(self._all_elements())
+        if len(pairs) and not self._scene._adds_a_whole:
+            first, second = pairs[0]
+            count = "1 element is" if len(pairs) == 1 else f"{len(pairs)} elements are"
+            warnings.warn(
+                f"solid '{self.name}': {count} there twice, such as {second}, whose nodes are those of "
+                f"{first}: mass and stiffness count twice there; leave one out",
+                StarkWarning,
+                stacklevel=3,
+            )
 
     def _locking(self) -> str:
         """What is said of linear elements that are much too stiff, as they have too few motions that keep

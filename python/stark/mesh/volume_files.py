@@ -30,9 +30,11 @@ class _Cells(NamedTuple):
 
     kind: str
     corners: NDArray[np.int64]
-    """(n, nodes), numbered as in the file."""
+    """(n, nodes), numbered as in the file, each once."""
     first: dict[int, int]
     """Of each block of the file that is part of it, its first row."""
+    kept: Indices
+    """Of each row of the file, that of ``corners``. MSH 2 has a cell once for each physical group of it."""
 
 
 def groups_by_meshio(file: Path) -> dict[str, tuple[Indices, Indices]]:
@@ -48,7 +50,8 @@ def groups_by_meshio(file: Path) -> dict[str, tuple[Indices, Indices]]:
             vertices.append(number[np.unique(block.data[rows])])
             if k in cells.first:
                 pieces = len(_PIECES.get(block.type, (0,)))
-                elements.append(np.add.outer(cells.first[k] + pieces * rows, np.arange(pieces)).ravel())
+                at = np.add.outer(cells.first[k] + pieces * rows, np.arange(pieces)).ravel()
+                elements.append(cells.kept[at])
     for name, points in read.point_sets.items():
         parts.setdefault(name, ([], []))[0].append(number[np.asarray(points, dtype=np.int64)])
     middles = _middles(number[cells.corners]) if cells.kind == "hexahedron20" else None
@@ -173,7 +176,11 @@ def _cells(read: Any, file: Path) -> _Cells:
             rows.append(data)
             first[k] = count
             count += len(data)
-    return _Cells(kinds[0], np.concatenate(rows), first)
+    corners = np.concatenate(rows)
+    _, found, which = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    order = np.sort(found)
+    kept = np.searchsorted(order, found[which.reshape(-1)]).astype(np.int32)
+    return _Cells(kinds[0], corners[order], first, kept)
 
 
 def _require_nodes(corners: NDArray[np.int64], points: int, what: str, before: int) -> None:

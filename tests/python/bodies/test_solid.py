@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import stark
 from stark import mesh
+from stark.bodies.solid import doubles
 
 
 def make_scene() -> stark.Scene:
@@ -24,3 +26,26 @@ def test_the_surface_of_a_solid_leaves_inner_vertices_out() -> None:
     surface = mesh.TriangleMesh(solid.surface_positions, solid.surface_triangles)
     assert surface.is_closed and surface.volume == pytest.approx(1e-3, rel=1e-12)
     assert mesh.TriangleMesh(solid.positions, solid.triangles).volume == pytest.approx(1e-3, rel=1e-12)
+
+
+def test_elements_that_are_there_twice_are_said() -> None:
+    """Their mass and stiffness counted twice in silence."""
+    box = mesh.tet_box(0.1, 2)
+    turned = box.tets[[5, 7]][:, [1, 2, 0, 3]]
+    double = mesh.TetMesh(box.vertices, np.concatenate([box.tets, turned]))
+    with pytest.warns(
+        stark.StarkWarning, match="2 elements are there twice, such as 96, whose .* those of 5:"
+    ):
+        stark.Scene().add_solid(double)
+    cubes = mesh.box_hexahedra(0.1, 2)
+    double = mesh.SolidMesh(cubes.vertices, np.concatenate([cubes.elements, cubes.elements[3:4]]))
+    with pytest.warns(stark.StarkWarning, match="1 element is there twice, such as 8, whose nodes .* of 3:"):
+        stark.Scene().add_solid(double)
+
+
+def test_doubles_are_found_where_keys_are_many() -> None:
+    elements = np.random.default_rng(0).integers(0, 12, (400, 4), dtype=np.int32)
+    found = {(int(first), int(second)) for first, second in doubles(elements)}
+    rows = [tuple(sorted(row)) for row in elements.tolist()]
+    assert found == {(rows.index(row), k) for k, row in enumerate(rows) if rows.index(row) != k} and found
+    assert len(doubles(mesh.tet_box(0.1, 6).tets)) == 0

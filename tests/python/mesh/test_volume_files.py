@@ -75,6 +75,23 @@ def test_physical_groups_of_gmsh(gmsh: Path) -> None:
     assert len(body.pins) == 3
 
 
+def test_cells_of_two_physical_groups_are_there_once(gmsh: Path) -> None:
+    """MSH 2 has them once for each group: their mass and stiffness counted twice."""
+    gmsh.write_text(
+        GMSH.replace("$Elements\n6\n", "$Elements\n8\n").replace(
+            "6 4 2 1 3 2 3 4 7", "6 4 2 1 3 2 3 4 7\n7 4 2 2 3 2 3 4 7\n8 2 2 7 1 2 3 4"
+        )
+    )
+    part, groups = mesh.load(gmsh), mesh.load_groups(gmsh)
+    assert isinstance(part, mesh.TetMesh) and len(part.tets) == 3
+    assert groups["steel"].elements.tolist() == [0, 2] and groups["lead"].elements.tolist() == [1, 2]
+    sides = "$Elements\n3\n2 2 2 1 1 2 3 4\n3 2 2 4 2 3 4 6\n8 2 2 7 1 2 3 4\n$EndElements\n"
+    gmsh.write_text(GMSH[: GMSH.index("$Elements")] + sides)
+    surface, groups = mesh.load(gmsh), mesh.load_groups(gmsh)
+    assert isinstance(surface, mesh.TriangleMesh) and len(surface.triangles) == 2
+    assert groups["inlet"].elements.tolist() == groups["7"].elements.tolist() == [0]
+
+
 def test_sets_of_other_programs(tmp_path: Path) -> None:
     """Abaqus: sets of nodes and of elements."""
     meshio = pytest.importorskip("meshio")
