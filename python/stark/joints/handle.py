@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
@@ -13,9 +11,9 @@ from numpy.typing import NDArray
 from stark._core import InvalidArgument
 from stark.arguments import real_number
 from stark.courses import TimeValue, at_start, set_courses
-from stark.errors import StarkWarning
 from stark.handle import Handle, SceneLink, SimulationLink
 from stark.joints.other_names import ELSEWHERE
+from stark.joints.stops import checked_stops
 from stark.readings import named_readings, reading
 from stark.rotations import warn_of_degrees
 
@@ -126,19 +124,7 @@ class JointActuators(Handle):
     ) -> Actuator:
         """Stops at ``lower`` and ``upper`` [rad, m], or at one of them; held within the tolerances of joints,
         whatever pushes."""
-        given: dict[str, Any] = {k: v for k, v in (("lower", lower), ("upper", upper)) if v is not None}
-        first = {k: real_number(at_start(v, f"add_limit: {k}"), f"add_limit: {k}") for k, v in given.items()}
-        if not given:
-            raise InvalidArgument("add_limit: neither lower nor upper is given: give one of them or both")
-        if len(first) == 2 and not first["lower"] < first["upper"]:
-            raise InvalidArgument(f"add_limit: lower = {lower}, upper = {upper}: lower must be below upper")
-        if self._is_angle() and all(abs(value) > 8.0 * math.pi for value in first.values()):
-            warnings.warn(
-                f"{self._title}: add_limit: lower = {lower} rad, upper = {upper} rad: angles are in "
-                f"radians; write 90 * stark.deg if degrees are meant",
-                StarkWarning,
-                stacklevel=2,
-            )
+        given = checked_stops(self._title, lower, upper, self._is_angle())
         kind = "limit" if len(given) == 2 else f"{next(iter(given))}_limit"
         return self.add_actuator(kind, **given, **options)
 

@@ -192,6 +192,8 @@ def test_friction_and_armature_and_coordinates_of_a_cylindrical_joint() -> None:
         (lambda s, j: j.add_effort(1.0, nme="x"), r"unknown value 'nme' \(did you mean 'name'\?\).*target"),
         (lambda s, j: j.add_limit(), "neither lower nor upper"),
         (lambda s, j: j.add_limit(1.0, -1.0), "lower must be below upper"),
+        (lambda s, j: j.add_limit(-np.inf, 1.0), r"lower = -inf: must be finite; .* joint.add_limit.upper="),
+        (lambda s, j: j.add_limit(-1.0, np.inf), r"upper = inf: must be finite; .* joint.add_limit.lower="),
         (lambda s, j: s.add_hinge(None, s.bodies[0], anchor=(0, 0, 0), limits=(1, 0)), "lower < upper"),
         (lambda s, j: s.add_actuator("gear", j, ratio=1.0), "on 1 coordinates: must be on 2"),
         (lambda s, j: s.add_actuator("effort", "hinge", target=1.0), "must be a joint"),
