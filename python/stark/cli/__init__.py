@@ -39,7 +39,13 @@ def _version() -> str:
 
 
 #: What does what other programs have a verb for.
-_ELSEWHERE = {"resume": "stark run --resume DIR", "demo": "stark run hello_cloth"}
+_ELSEWHERE = {
+    "resume": "stark run --resume DIR",
+    "demo": "stark run hello_cloth",
+    "view": "stark run SCENE --view",
+    "picture": "stark still",
+    "list": "stark info",
+}
 
 
 class _Parser(argparse.ArgumentParser):

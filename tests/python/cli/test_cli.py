@@ -51,6 +51,7 @@ def test_wrong_usage(words, capsys) -> None:
     [
         (("verfy", "out"), "did you mean 'verify'?"),
         (("resume", "out"), "did you mean 'stark run --resume DIR'?"),
+        (("view", "drop"), "did you mean 'stark run SCENE --view'?"),
         (
             ("run", "hello_cloth", "--untill", "1"),
             "unrecognized arguments: --untill 1; did you mean '--until'?",
