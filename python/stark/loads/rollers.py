@@ -13,6 +13,7 @@ from stark.formulas import Point, Triangle, Vec3, energy, parameter
 from stark.formulas.law_checks import Law
 from stark.formulas.material_law import MaterialLaw
 from stark.materials import SolidMaterial
+from stark.mesh import EmbeddedMesh
 from stark.selections import Points, Stencils
 from stark.symbolic import Scalar, dot
 
@@ -20,6 +21,8 @@ Floats = NDArray[np.float64]
 
 #: Of a support over that of a cell of the body: what gives way is a thousandth of what cells do.
 _STIFF = 1e3
+#: Triangles whose normal has this cosine, or more, with that of rollers are held against bending alone.
+_FACING = 0.9
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -101,8 +104,8 @@ def check_points(points: Any, owner: str) -> Points:
     return points
 
 
-def stiffness_of(points: Points, owner: str) -> float:
-    """[N/m] of the support of a point: a thousand times that of a cell of its body."""
+def stiffness_of(points: Points, normal: Floats, owner: str) -> float:
+    """[N/m] of the support of a point: a thousand times that of a cell of its body, along the normal."""
     body: Any = points.body
     if isinstance(body, Rod) and body.material.law is None:
         lengths = np.linalg.norm(np.diff(body.mesh.vertices, axis=0), axis=1)
@@ -113,8 +116,33 @@ def stiffness_of(points: Points, owner: str) -> float:
             f"{owner}: {body!r} has no Young's modulus that says how stiff the support has to be; give "
             f"stiffness= [N/m] of each point, a thousand times that of what it holds"
         )
-    size = body.material.thickness if isinstance(body, Cloth) else _cell_size(body)
-    return _STIFF * modulus * float(size)
+    if isinstance(body, Cloth):
+        return _STIFF * modulus * float(body.material.thickness) * max(1.0, _flatness(points, normal, 1))
+    size = float(_cell_size(body))
+    return _STIFF * modulus * max(size, _flatness(points, normal, 2))
+
+
+def _flatness(points: Points, normal: Floats, sides: int) -> float:
+    """How large the cells at the points are across the normal over how large they are along it, in the
+    middle: a length over a length in sheets (``sides`` 1), an area [m^2] over a length in solids. Zero for
+    sheets across the normal, and for lattices, whose cells are cubes."""
+    body: Any = points.body
+    if isinstance(body.mesh, EmbeddedMesh):
+        return 0.0
+    cells = body.triangles if sides == 1 else body._all_elements()
+    chosen = points._columns.get("vertices")
+    if chosen is not None:
+        cells = cells[np.isin(cells, chosen).any(axis=1)]
+    x = body.vertices.positions[cells]
+    if sides == 1:
+        facing = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+        x = x[np.abs(facing @ normal) < _FACING * np.linalg.norm(facing, axis=1)]
+    if not len(x):
+        return 0.0
+    frame = np.linalg.svd(normal[None])[2]  # the normal, and two directions across it
+    extent = np.ptp(x @ frame.T, axis=1)
+    across = np.hypot(extent[:, 1], extent[:, 2]) if sides == 1 else extent[:, 1] * extent[:, 2]
+    return float(np.median(across / extent[:, 0]))
 
 
 def _modulus(material: Any) -> float | None:

@@ -217,10 +217,11 @@ class SceneLoads(SceneLink):
 
         owner = "rollers" if name is None else f"rollers '{name}'"
         points = rollers.check_points(points, owner)
+        across = rollers.unit_normal(normal, owner)
         values = {
             "place": points.positions,
-            "normal": rollers.unit_normal(normal, owner),
-            "stiffness": rollers.stiffness_of(points, owner) if stiffness is None else stiffness,
+            "normal": across,
+            "stiffness": rollers.stiffness_of(points, across, owner) if stiffness is None else stiffness,
         }
         load = self.add(rollers.rollers(points, shift=at_start(shift, owner), **values), name=name)
         set_courses("energy", load, {"shift": shift})

@@ -193,3 +193,40 @@ def test_what_cannot_roll_is_refused() -> None:
         with pytest.raises(stark.InvalidArgument, match=message):
             scene.add_rollers(points, normal)  # type: ignore[arg-type]
     assert len(scene.energies) == count
+
+
+@pytest.mark.parametrize(("height", "cells"), [(0.002, 1), (0.002, 2), (0.0002, 1)])
+@pytest.mark.parametrize("turned", [False, True])
+def test_flat_pads_take_the_force_of_their_law(height: float, cells: int, turned: bool) -> None:
+    """Their cells are much stiffer across than a cube; supports of one took an eighth to three quarters."""
+    sides = (0.4, 0.4, height)
+    scene = stark.Scene()
+    rotation = stark.rotation(axis="x", angle=0.5) if turned else np.eye(3)
+    pad = scene.add_solid(
+        stark.mesh.box_hexahedra(sides, (10, 10, cells)),
+        stark.SolidMaterial(density=1000.0, youngs_modulus=E, poissons_ratio=0.0),
+        rotation=rotation,
+    )
+    at = pad.mesh.vertices
+    for k in range(3):
+        scene.add_rollers(pad.vertices[at[:, k] < -0.499 * sides[k]], rotation[:, k])
+    top = scene.add_rollers(pad.vertices[at[:, 2] > 0.499 * height], rotation[:, 2], shift=-1e-3 * height)
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    report = sim.step()
+    assert not report.failed and not report.caveats
+    push = top.forces.sum(axis=(0, 1)) @ rotation[:, 2]
+    assert push == pytest.approx(-E * 1e-3 * 0.16, rel=4e-3)
+
+
+def test_sheets_of_narrow_cells_take_the_force_of_their_law() -> None:
+    scene = stark.Scene()
+    stuff = stark.ShellMaterial(density=1.0, youngs_modulus=E, poissons_ratio=0.0, strain_limit=np.inf)
+    sheet = scene.add_cloth(stark.mesh.grid(0.01, 1.0, cells=(1, 2)), stuff)
+    at = sheet.mesh.vertices
+    scene.add_rollers(sheet.vertices, "z")
+    scene.add_rollers(sheet.vertices[at[:, 1] < -0.499], "y")
+    scene.add_rollers(sheet.vertices[at[:, 0] < 0.0], "x")
+    end = scene.add_rollers(sheet.vertices[at[:, 0] > 0.0], "x", shift=1e-5)
+    sim = stark.Simulation(scene, time_step=1.0, **STILL)
+    assert not sim.step().failed
+    assert end.forces.sum(axis=(0, 1))[0] == pytest.approx(E * stuff.thickness * 1e-3, rel=4e-3)
