@@ -173,7 +173,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         return self._step(limit, progress)
 
     def run(self, until: float, *, progress: OnProgress | None = None) -> Iterator[StepReport]:
-        """Steps up to the time ``until`` [s] and yields the report of each; the last step is shortened to end
+        """Steps up to the time ``until`` [s] and yields the report of each; the last two are shortened to end
         there. ``progress`` is that of ``step``.
 
         A failed step is yielded as well; going on after it raises StepFailed. Steps are taken as the loop

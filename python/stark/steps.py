@@ -196,9 +196,12 @@ def reached(sim: Stepping, end: float) -> bool:
 def limit_of_step(sim: Stepping, end: float) -> float | None:
     """What the coming step has to be shortened to [s], not to go beyond ``end``; None when it is taken whole.
     What differs from a whole step by rounding is one, so that ends between steps of a longer run change
-    nothing in it."""
-    rest = float(end) - sim.time
-    if rest >= sim.time_step - _time_rounding(sim):
+    nothing in it. What is left of less than two steps is taken in two halves: after a much shorter step than
+    the one before, reactions of joints are wrong in proportion to both lengths."""
+    rest, rounding = float(end) - sim.time, _time_rounding(sim)
+    if sim.time_step + rounding < rest < 2.0 * sim.time_step - rounding:
+        return 0.5 * rest
+    if rest >= sim.time_step - rounding:
         return None
     # Rounded so that the sum is the end, in every bit.
     candidates = (rest, math.nextafter(rest, 0.0), math.nextafter(rest, math.inf))

@@ -96,3 +96,19 @@ def test_a_report_says_which_attribute_was_meant() -> None:
             getattr(report, name)
     assert not hasattr(report, "nothing") and not hasattr(report, "_nothing")
     assert report.newton_iterations >= 0 and copy.copy(report).step == report.step
+
+
+@pytest.mark.parametrize("rest", [1e-7, 1e-5, 1e-3, 5e-3])
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+def test_ends_between_steps_leave_reactions_as_they_are(rest: float, integrator: str) -> None:
+    """A pendulum: after a last step of 10 microseconds its hinge read two hundred times its weight."""
+    scene = stark.Scene()
+    bob = scene.add_box(0.05, mass=0.1, position=(0, 0, 0))
+    hinge = scene.add_hinge(None, bob, anchor=(0, 0.3, 0), axis="x")
+    sim = stark.Simulation(scene, time_step=0.01, time={"integrator": integrator})
+    sim.run_until(0.49)
+    before = hinge.reaction.force
+    lengths = [report.time_step for report in sim.run(until=0.5 + rest)]
+    assert lengths == pytest.approx([0.005 + rest / 2] * 2) and sim.time == 0.5 + rest
+    after = hinge.reaction.force
+    assert np.linalg.norm(after - before) < 0.3 * np.linalg.norm(before)

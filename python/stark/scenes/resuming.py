@@ -37,7 +37,7 @@ def resume(
     and made again, so that the recording ends up as that of an uninterrupted run.
 
     ``scene`` is needed when the scene file has been moved. ``until`` [s] replaces the end; with a later one,
-    a step that was shortened to meet the old one is taken whole. ``settings`` are changed from here on: with
+    steps that were shortened to meet the old one are taken whole. ``settings`` are changed from here on: with
     those that influence results the run is another one than without them. Raises ``CheckpointError`` when
     there is no checkpoint, or one of another scene than the file now makes, and ``RecordingError`` when the
     recording is damaged or another process writes it."""

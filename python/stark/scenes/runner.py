@@ -198,7 +198,7 @@ class Job:
 
     def advance(self, on_step: OnStep | None, on_progress: OnProgress | None = None) -> RunResult:
         """Steps until the end. Whatever ends the loop, the last moment between two steps is saved, but none
-        after a step that was shortened to meet the end: with a later end, that step is taken whole."""
+        after steps that were shortened to meet the end: with a later end, they are taken whole."""
         moment, shortened = None, False
         try:
             moment = self._moment()

@@ -51,7 +51,7 @@ def test_an_end_between_marks_is_met_in_every_bit() -> None:
     sim = _falling(0.005)
     reports = list(sim.run(until=0.0172))
     assert sim.time == 0.0172
-    assert reports[-1].time_step == pytest.approx(0.0022)
+    assert [report.time_step for report in reports[2:]] == pytest.approx([0.0036, 0.0036])
     list(sim.run(until=0.0172 + 0.5))
     assert sim.state.step_count == 4 + 100
     assert sim.time == 0.0172 + 100 * 0.005
