@@ -20,7 +20,7 @@ constexpr double kStart = 1.0 / 16.0;
 constexpr double kShows = 0.05, kFree = 0.1;
 
 /// Part of what a constant load would make the pressing fall by, from which it is one.
-constexpr double kOpens = 0.6;
+constexpr double kOpens = 0.85;
 
 /// Logarithm of the rise of the pressing which is not that of the factor: something presses harder.
 constexpr double kPressed = 0.1;
