@@ -1,14 +1,11 @@
 """Energy that integration created: what the steps took to close their balance, of the sign that no
-dissipation has; and what contact gained between steps, as it got stiffer.
+dissipation has.
 
 Of each step the solver reports as ``numerical`` what is left of the balance, positive where the step lost
 energy. Steps of implicit Euler lose, for stored energies that are convex along the way; bdf2 takes and gives
 back. So what counts is the most that is created between any two times, net of what is lost between them, next
 to the largest energy that the scene stores or turns over. What the tolerance of joints lets the weight of
-the bodies do is left out: within it, a body that rests is carried up and down.
-
-Contact gets stiffer under a load that lasts, until the gap is large enough. Where the load is no force, but
-the gap itself is given, as between scripted jaws, it does so without end."""
+the bodies do is left out: within it, a body that rests is carried up and down."""
 
 from __future__ import annotations
 
@@ -23,15 +20,7 @@ from .reading import Run, number
 #: Beyond this share of the largest energy, motion is no more that of the scene: an amplitude grows by half of
 #: it. Runs of the tests with implicit Euler stay below 2 %, most of them below 0.01 %.
 CREATED_SHARE = 0.05
-#: Where a force F loads it, contact that gets stiffer lifts the load, to a tenth of the contact distance d at
-#: most, and gains what it stores there, 0.15 F d, beside that work: at most 2.5 times the work, which is
-#: among the other energies. More than this many times all of them is not explained by a force.
-STIFFENED_SHARE = 5.0
-#: More than this many times the energy of the step before is contact that comes back, or an impact that
-#: failed attempts have met: the ledger looks at it.
-_GROWTH = 100.0
 _STORED = ("kinetic", "elastic", "contact")  # gravity has no zero: its range counts
-_AT_START = "contact_energy_at_start"
 _TURNED_OVER = ("external", "actuation", "damping", "friction", "restitution", "belts", "placed")
 
 Floats = NDArray[np.float64]
@@ -91,51 +80,6 @@ def created_energy(run: Run) -> Created | None:
     return Created(
         created, dissipated, float(gained[end]), times[begin], times[end], largest, _explained(run)
     )
-
-
-class Stiffened(NamedTuple):
-    """Energies [J] of a run: the most that contact gained between steps from ``begin`` to ``end`` [s], net of
-    what it lost, and the largest other energy that was stored or turned over."""
-
-    net: float
-    begin: float
-    end: float
-    others: float
-
-    @property
-    def is_much(self) -> bool:
-        """Whether it belongs to the limits of a certificate."""
-        return self.net > STIFFENED_SHARE * self.others
-
-    def limit(self) -> str:
-        """As a certificate says it."""
-        return (
-            f"contact that got stiffer gained {self.net:.3g} J from {self.begin:.6g} s to {self.end:.6g} s, "
-            f"where all else stored or turned over at most {self.others:.3g} J: its forces grow without a "
-            f"load between bodies that cannot give way; give them a contact_stiffness, or more room"
-        )
-
-
-def stiffened_energy(run: Run) -> Stiffened | None:
-    """None for a run that does not say what contact stored at the start of its steps, or with impossible
-    energies."""
-    rows = [row["energy"] for row in run.rows if isinstance(row.get("energy"), dict)]
-    if len(rows) < 2 or len(rows) != len(run.rows) or not all(_AT_START in row for row in run.rows):
-        return None
-    ends, starts = _series(rows, "contact")[:-1], _series(run.rows[1:], _AT_START)
-    placed = np.array([bool(row.get("placed")) for row in run.rows[1:]])
-    changes = np.where(placed | (starts > _GROWTH * ends), 0.0, starts - ends)
-    kinds = [float(_series(rows, name).max()) for name in _STORED if name != "contact"]
-    turned = [float(np.abs(_series(rows, name)).sum()) for name in _TURNED_OVER]
-    others = max(*kinds, float(np.ptp(_series(rows, "gravity"))), *turned)
-    if not (np.isfinite(changes).all() and math.isfinite(others)):
-        return None
-    gained = np.concatenate(([0.0], np.cumsum(changes)))  # at the end of each step
-    risen = gained - np.minimum.accumulate(gained)
-    end = int(risen.argmax())
-    begin = int(gained[: end + 1].argmin())
-    times = [number(row, "time") for row in run.rows]
-    return Stiffened(float(risen[end]), times[begin], times[end], others)
 
 
 def _series(rows: list[dict[str, Any]], name: str) -> Floats:

@@ -11,7 +11,7 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from .certificate import INCONCLUSIVE, NOT_RECORDED, VERIFIED, Claim
-from .created import created_energy, stiffened_energy
+from .created import created_energy
 from .reading import Run, pair_count
 from .surface import exclusions, leaves_out_parts, length_without_contact
 
@@ -103,9 +103,6 @@ def _created(run: Run) -> Iterator[str]:
     energy = created_energy(run)
     if energy is not None and energy.is_much:
         yield energy.limit()
-    stiffened = stiffened_energy(run)
-    if stiffened is not None and stiffened.is_much:
-        yield stiffened.limit()
 
 
 # --- pairs ---
