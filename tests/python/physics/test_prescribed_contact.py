@@ -102,3 +102,39 @@ def test_rigid_bodies_rest_without_inertia() -> None:
     for box in (on_block, on_floor):
         assert box.contact_force == pytest.approx((0.0, 0.0, MASS * G), abs=1e-5)
     assert block.contact_force[2] == pytest.approx(float(block.mass) * G, rel=1e-4)
+
+
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+@pytest.mark.parametrize("count", [1, 3])
+def test_forces_at_a_given_gap_do_not_grow_by_themselves(count: int, integrator: str) -> None:
+    """Boxes between a table and a press that leaves a twentieth of the contact distance at each. Contact that
+    got stiffer with the force made it grow e-fold in a tenth of a second."""
+    scene = stark.Scene()
+    scene.add_box((0.3, 0.3, 0.1), motion="fixed", position=(0, 0, -0.05))
+    for k in range(count):
+        scene.add_box(0.1, mass=0.1 * (k + 1), position=(0, 0, 0.0519 + 0.1019 * k))
+    start = 0.05 + 0.1 * count + 0.0019 * (count + 1)
+    end = 0.05 + 0.1 * count + 1e-4 * (count + 1)
+    press = scene.add_box((0.3, 0.3, 0.1), motion="scripted", position=(0, 0, start))
+    press.follow(lambda t: (0, 0, start + (end - start) * min(t / 0.5, 1.0)))
+    sim = stark.Simulation(scene, time_step=0.01, time={"integrator": integrator})
+    sim.run_until(0.6)
+    early = press.holding_force[2]
+    sim.run_until(2.0)
+    assert early < -1e3
+    assert 0.99 < press.holding_force[2] / early < 1.4  # two or three trials of 10 %
+
+
+@pytest.mark.parametrize("time_step", [0.01, 0.002])
+def test_contact_gets_as_stiff_as_a_load_asks_for_that_grows(time_step: float) -> None:
+    """2 kN, within a second, on a box of 20 g: both of its gaps end at a tenth of the contact distance."""
+    scene = stark.Scene()
+    scene.add_box((0.3, 0.3, 0.1), motion="fixed", position=(0, 0, -0.05))
+    box = scene.add_box((0.05, 0.05, 0.02), mass=0.02, position=(0, 0, 0.0119))
+    block = scene.add_box((0.04, 0.04, 0.1), mass=10.0, position=(0, 0, 0.0738))
+    scene.add_force(block, lambda t: (0, 0, -2000.0 * min(t, 1.0)))
+    sim = stark.Simulation(scene, time_step=time_step)
+    sim.run_until(3.0)
+    for other in (scene.bodies[0], block):
+        distance = box.contact_distance + other.contact_distance
+        assert sim.distance(box, other) == pytest.approx(0.1 * distance, rel=0.05)
