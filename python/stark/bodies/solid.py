@@ -15,6 +15,7 @@ from stark.bodies.layered import LayeredBody
 from stark.errors import StarkWarning
 from stark.materials import SolidMaterial
 from stark.mesh import EmbeddedMesh, Indices, SolidMesh, TetMesh
+from stark.mesh.repair import doubles
 from stark.selections import Stencils
 
 Floats = NDArray[np.float64]
@@ -23,19 +24,6 @@ Floats = NDArray[np.float64]
 #: them bend by half of what they should, and less (docs/solids.md).
 LINEAR = {4: "linear tetrahedra", 8: "hexahedra of 8 nodes"}
 _LOCKING_RATIO = 0.48
-
-
-def doubles(elements: Indices) -> Indices:
-    """(n, 2): of each element with the nodes of an earlier one, that one and its own number."""
-    nodes = np.sort(elements, axis=1)
-    factors = np.cumprod(np.full(nodes.shape[1], 0x9E3779B97F4A7C15, dtype=np.uint64))
-    keys = nodes.astype(np.uint64) @ factors  # modulo 2^64; numbers are sorted faster than rows
-    if len(np.unique(keys)) == len(keys):
-        return np.zeros((0, 2), dtype=np.int32)
-    _, first, which = np.unique(nodes, axis=0, return_index=True, return_inverse=True)
-    own = first[which.reshape(-1)]
-    later = np.flatnonzero(own != np.arange(len(nodes)))
-    return np.column_stack((own[later], later)).astype(np.int32)
 
 
 class Solid(LayeredBody):

@@ -148,19 +148,24 @@ def _read_ply(data: bytes, file: Path) -> TriangleMesh:
                 if name == "face" and property_name in ("vertex_indices", "vertex_index"):
                     corners.extend(int(v) for v in values)
                     counts.append(entries)
-                    _require_corners(values, len(vertices), len(counts) - 1)
     if reader.rest():
         raise InvalidMesh(
             "there is more behind the elements that its header declares: their counts and properties must "
             "be those of the file; write it again"
         )
+    _require_corners(corners, counts, len(vertices))
     return TriangleMesh(vertices, triangulated(vertices, counts, corners, lambda k: f"'{file}': face {k}"))
 
 
-def _require_corners(corners: Any, count: int, face: int) -> None:
-    wrong = [int(v) for v in corners if not 0 <= v < count]
-    if wrong:
-        raise InvalidMesh(f"face {face} has the vertex {wrong[0]}: must be in [0, {count - 1}], from 0 on")
+def _require_corners(corners: list[int], counts: list[int], count: int) -> None:
+    """That faces with so many corners each name vertices that are there."""
+    given = np.asarray(corners, dtype=np.int64)
+    wrong = np.flatnonzero((given < 0) | (given >= count))
+    if len(wrong):
+        face = int(np.searchsorted(np.cumsum(counts), wrong[0], side="right"))
+        raise InvalidMesh(
+            f"face {face} has the vertex {given[wrong[0]]}: must be in [0, {count - 1}], from 0 on"
+        )
 
 
 class _PlyText:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from stark._core import InvalidArgument, InvalidMesh
-from stark.mesh.arguments import corners_of, numbers_of
+from stark.mesh.arguments import Indices, corners_of, numbers_of
 from stark.mesh.types import TetMesh, TriangleMesh, compact
 from stark.overloads import overload
 
@@ -92,3 +95,16 @@ def _oriented_triangles(mesh: TriangleMesh) -> TriangleMesh:
         if part.is_closed and part.volume < 0.0:
             triangles[component] = triangles[component][:, ::-1]
     return TriangleMesh(mesh.vertices, triangles)
+
+
+def doubles(elements: NDArray[np.integer[Any]]) -> Indices:
+    """(n, 2): of each element with the nodes of an earlier one, that one and its own number."""
+    nodes = np.sort(elements, axis=1)
+    factors = np.cumprod(np.full(nodes.shape[1], 0x9E3779B97F4A7C15, dtype=np.uint64))
+    keys = nodes.astype(np.uint64) @ factors  # modulo 2^64; numbers are sorted faster than rows
+    if len(np.unique(keys)) == len(keys):
+        return np.zeros((0, 2), dtype=np.int32)
+    _, first, which = np.unique(nodes, axis=0, return_index=True, return_inverse=True)
+    own = first[which.reshape(-1)]
+    later = np.flatnonzero(own != np.arange(len(nodes)))
+    return np.column_stack((own[later], later)).astype(np.int32)

@@ -16,7 +16,7 @@ from stark._core import InvalidMesh
 from stark.mesh.abaqus_files import cells_of, name_parts, sections_of
 from stark.mesh.arguments import Indices, require_finite
 from stark.mesh.gmsh_files import require_numbers
-from stark.mesh.repair import oriented
+from stark.mesh.repair import doubles, oriented
 from stark.mesh.types import SolidMesh, TetMesh, TriangleMesh
 
 #: Types of cells that solids are made of.
@@ -177,9 +177,11 @@ def _cells(read: Any, file: Path) -> _Cells:
             first[k] = count
             count += len(data)
     corners = np.concatenate(rows)
-    _, found, which = np.unique(corners, axis=0, return_index=True, return_inverse=True)
-    order = np.sort(found)
-    kept = np.searchsorted(order, found[which.reshape(-1)]).astype(np.int32)
+    order = kept = np.arange(count, dtype=np.int32)
+    if len(doubles(corners)):
+        _, found, which = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+        order = np.sort(found)
+        kept = np.searchsorted(order, found[which.reshape(-1)]).astype(np.int32)
     return _Cells(kinds[0], corners[order], first, kept)
 
 

@@ -22,6 +22,10 @@ struct Bounds {
   bool contains(const Vec3& p) const {
     return low.x <= p.x && low.y <= p.y && low.z <= p.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
   }
+  bool overlaps(const Bounds& other) const {
+    return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y && other.low.y <= high.y &&
+           low.z <= other.high.z && other.low.z <= high.z;
+  }
 };
 
 /// By a distance in all directions.

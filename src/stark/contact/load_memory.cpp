@@ -89,16 +89,22 @@ void LoadMemory::follow(const LoadMemory& before, int64_t code, double wanted, d
   add(code, std::min(next, std::max(acting, now.most)), now);
 }
 
-double LoadMemory::pending(int64_t code) const {
+std::optional<size_t> LoadMemory::place(int64_t code) const {
   const auto found = std::ranges::lower_bound(bodies, code);
-  return found != bodies.end() && *found == code ? factor[found - bodies.begin()] : kStart;
+  if (found == bodies.end() || *found != code) return {};
+  return found - bodies.begin();
+}
+
+double LoadMemory::pending(int64_t code) const {
+  const auto k = place(code);
+  return k ? factor[*k] : kStart;
 }
 
 double LoadMemory::find(int64_t code) const { return std::max(1.0, pending(code)); }
 
 LoadTrial LoadMemory::trial_of(int64_t code) const {
-  const auto found = std::ranges::lower_bound(bodies, code);
-  return found != bodies.end() && *found == code ? trial[found - bodies.begin()] : LoadTrial{};
+  const auto k = place(code);
+  return k ? trial[*k] : LoadTrial{};
 }
 
 bool LoadMemory::has_trials() const {

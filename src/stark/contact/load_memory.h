@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,9 @@ struct LoadMemory {
   bool has_trials() const;
   std::vector<Vec3> trials() const;  ///< empty without any, as trial_ages()
   std::vector<double> trial_ages() const;
+
+ private:
+  std::optional<size_t> place(int64_t code) const;  ///< in the lists above
 };
 
 }  // namespace stark

@@ -20,11 +20,6 @@ struct Sheet {
   Bounds around{};
 };
 
-bool overlap(const Bounds& a, const Bounds& b) {
-  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
-         a.low.z <= b.high.z && b.low.z <= a.high.z;
-}
-
 /// Cloths much thinner than their automatic contact distance.
 std::vector<Sheet> find_thin(const Scene& scene, const Settings& settings) {
   std::vector<Sheet> found;
@@ -47,13 +42,12 @@ std::vector<Sheet> find_thin(const Scene& scene, const Settings& settings) {
 }  // namespace
 
 std::vector<std::string> check_thin_sheets(const Scene& scene, const Settings& settings) {
-  if (settings.contact.distance > 0.0) return {};
+  if (settings.contact.distance > 0.0 || scene.cloths().size() < kStack) return {};
   const std::vector<Sheet> sheets = find_thin(scene, settings);
-  if (sheets.size() < kStack) return {};
   for (const Sheet& sheet : sheets) {
     const auto count = std::ranges::count_if(sheets, [&](const Sheet& other) {
       return &other == &sheet ||
-             (scene.contact_enabled(sheet.body, other.body) && overlap(sheet.around, other.around));
+             (scene.contact_enabled(sheet.body, other.body) && sheet.around.overlaps(other.around));
     });
     if (static_cast<size_t>(count) < kStack) continue;
     return {

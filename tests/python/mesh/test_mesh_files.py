@@ -57,6 +57,16 @@ def ply(layout: str) -> bytes:
     return header + body + struct.pack(order + "ii", 0, 1) + struct.pack(order + "BBiiii", 7, 4, 0, 1, 2, 3)
 
 
+def test_ply_faces_before_their_vertices(tmp_path: Path) -> None:
+    (tmp_path / "a.ply").write_text(
+        "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+        "element vertex 3\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
+        "3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n"
+    )
+    loaded = mesh.load(tmp_path / "a.ply")
+    assert loaded.triangles.tolist() == [[0, 1, 2]] and loaded.area == pytest.approx(0.5)
+
+
 @pytest.mark.parametrize("layout", ["ascii", "binary_little_endian", "binary_big_endian"])
 def test_ply(tmp_path: Path, layout: str) -> None:
     (tmp_path / "a.ply").write_bytes(ply(layout))
