@@ -174,3 +174,32 @@ TEST_CASE("retraction moves free parts only and keeps rotations orthogonal") {
     CHECK(max_abs(log_rotation(turn) - Vec3{0.35, 0.35, 0.35}) < 1e-14);
   }
 }
+
+TEST_CASE("positions of many sites are the same on several threads") {
+  RandomPoints random(4);
+  Configuration configuration;
+  std::vector<Site> sites;
+  const auto add = [&](SiteKind kind, int32_t index) {
+    sites.push_back({.kind = kind, .index = index, .local = random.point(), .points = {}, .weights = {}});
+  };
+  for (int32_t p = 0; p < 9000; ++p) {
+    configuration.point_position.push_back(random.point());
+    add(SiteKind::Point, p);
+  }
+  for (int32_t b = 0; b < 3; ++b) {
+    configuration.body_position.push_back(random.point());
+    configuration.body_rotation.push_back(exp_rotation(random.point()));
+    for (int k = 0; k < 5000; ++k) add(SiteKind::RigidPoint, b);
+    for (int k = 0; k < 700; ++k) add(SiteKind::RigidDirection, b);
+    for (int k = 0; k < 900; ++k) add(SiteKind::World, 0);
+  }
+  const KinematicMap map(DofLayout::build(std::vector<bool>(9000, false), {false, false, false}), sites);
+  std::vector<Vec3> alone(sites.size()), shared(sites.size());
+  map.positions(configuration, alone);
+  ThreadPool pool(3);
+  map.positions(configuration, shared, &pool);
+  CHECK(shared == alone);
+  CHECK(alone[8999] == configuration.point_position[8999]);
+  CHECK(alone[13999] == configuration.body_position[0] + configuration.body_rotation[0] * sites[13999].local);
+  CHECK(alone.back() == sites.back().local);
+}

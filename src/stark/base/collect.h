@@ -23,7 +23,8 @@ std::vector<T> collect_ranges(ThreadPool& pool, int64_t count, int64_t grain, Bo
   for (const std::vector<T>& part : parts) total += part.size();
   std::vector<T> all = std::move(parts.front());
   all.reserve(total);
-  for (size_t k = 1; k < parts.size(); ++k) std::ranges::move(parts[k], std::back_inserter(all));
+  for (size_t k = 1; k < parts.size(); ++k)
+    all.insert(all.end(), std::make_move_iterator(parts[k].begin()), std::make_move_iterator(parts[k].end()));
   return all;
 }
 

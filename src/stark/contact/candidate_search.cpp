@@ -27,6 +27,7 @@ constexpr double kEdgesBear = 2.0;
 
 constexpr double kRounding = 1e-9;  ///< of distances, relative
 constexpr int64_t kPairsPerTask = 2048;
+constexpr int64_t kSitesPerTask = 8192;
 
 struct Candidates {
   CandidateList list{};
@@ -82,7 +83,7 @@ CandidateSearch::CandidateSearch(SurfaceMesh mesh, PairFilter filter, std::span<
   std::vector<double> margin(group_distance.begin(), group_distance.end());
   for (double& m : margin) m *= kMarginFactor;
   self.group_margins = GroupMargins(group_distance, margin);
-  self.margins = SiteMargins(mesh);
+  self.margins = SiteMargins(mesh, &pool);
   self.reach.assign(group_distance.begin(), group_distance.end());
   for (double& r : self.reach) r *= 1.0 + kMarginFactor;
   self.broad_phase.reset(std::move(mesh), std::move(filter));
@@ -177,11 +178,14 @@ void CandidateSearch::Implementation::set_places(const Candidates& base, std::ve
                                                  std::span<const Vec3> x, Candidates& out) {
   out.bounds = base.bounds.empty() ? std::vector<Bounds>(reach.size()) : base.bounds;
   out.x.resize(x.size());
-  if (&out != &base) std::ranges::copy(base.x, out.x.begin());
+  const bool is_other = &out != &base && !base.x.empty();
   int64_t added = 0;
   do {
-    for (size_t site = 0; site < x.size(); ++site)
-      if (marked[site] != 0) out.x[site] = x[site];
+    pool.for_each_range(std::ssize(x), kSitesPerTask, [&](int64_t begin, int64_t end) {
+      if (is_other && added == 0) std::copy_n(base.x.begin() + begin, end - begin, out.x.begin() + begin);
+      for (int64_t site = begin; site < end; ++site)
+        if (marked[site] != 0) out.x[site] = x[site];
+    });
     margins.bound(out.x, marked, out.bounds);
     out.margin = group_margins.wide(broad_phase.filter(), out.bounds);
     added = margins.mark_more(out.margin, out.x, x, marked);

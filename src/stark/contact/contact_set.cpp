@@ -6,6 +6,7 @@
 #include <stark/base/collect.h>
 #include <stark/base/error.h>
 #include <stark/geometry/distance.h>
+#include <stark/mechanics/lane_outputs.h>
 
 namespace stark {
 
@@ -16,7 +17,7 @@ namespace {
 
 constexpr double kParallelFactor =
     1e-3;  ///< mollify below this times |e_a|^2 |e_b|^2 of the rest shape [Li 2020]
-constexpr int64_t kCandidatesPerTask = 512, kContactsPerTask = 1024, kBlocksPerTask = 32;
+constexpr int64_t kCandidatesPerTask = 512, kContactsPerTask = 1024;
 
 /// Where barriers are infinite, over the distance that collision detection keeps: the force there is 10^4
 /// times that at half the contact distance, and what pushes harder is blocked instead of pushed to rounding.
@@ -255,7 +256,10 @@ void find_contacts(const ContactGeometry& geometry, const CandidateList& candida
     std::vector<Contact> found = classify_all(classifier, kind, candidates[kind], pool);
     if (kind == PairKind::PointTriangle && !geometry.face.empty())
       keep_nearest_of_faces(geometry.face, found);
-    out.insert(out.end(), found.begin(), found.end());
+    if (out.empty())
+      out = std::move(found);
+    else
+      out.insert(out.end(), found.begin(), found.end());
   });
 }
 
@@ -319,14 +323,10 @@ std::vector<const PotentialBatch*> ContactSet::batches() const {
 
 const std::vector<double>& ContactSet::evaluate_energies(std::span<const Vec3> x) {
   energies_.assign(contacts_.size(), 0.0);
-  AlignedVector<double> out;
   for (int kind = 0; kind < kStencilKindCount; ++kind) {
     const PotentialBatch& batch = batches_[kind];
     if (batch.size() == 0) continue;
-    out.resize(batch.block_count() * kLanes);
-    pool_.for_each_range(batch.block_count(), kBlocksPerTask, [&](int64_t first, int64_t last) {
-      batch.evaluate(Order::Energy, x, first, last, out.data() + first * kLanes);
-    });
+    const AlignedVector<double> out = lane_outputs(batch, Order::Energy, x, &pool_);
     for (int64_t e = 0; e < batch.size(); ++e) energies_[contact_of_[kind][e]] = out[e];
   }
   return energies_;
@@ -334,15 +334,11 @@ const std::vector<double>& ContactSet::evaluate_energies(std::span<const Vec3> x
 
 void ContactSet::evaluate_forces(std::span<const Vec3> x, std::vector<Vec3>& out_forces) const {
   out_forces.assign(contacts_.size(), Vec3{});
-  AlignedVector<double> out;
   for (int kind = 0; kind < kStencilKindCount; ++kind) {
     const PotentialBatch& batch = batches_[kind];
     if (batch.size() == 0) continue;
     const int outputs = batch.potential().kernel().output_count(Order::Gradient);
-    out.resize(batch.block_count() * outputs * kLanes);
-    pool_.for_each_range(batch.block_count(), kBlocksPerTask, [&](int64_t first, int64_t last) {
-      batch.evaluate(Order::Gradient, x, first, last, out.data() + first * outputs * kLanes);
-    });
+    const AlignedVector<double> out = lane_outputs(batch, Order::Gradient, x, &pool_);
     for (int64_t e = 0; e < batch.size(); ++e) {
       const int64_t c = contact_of_[kind][e];
       const double* lane = out.data() + (e / kLanes) * outputs * kLanes + e % kLanes;

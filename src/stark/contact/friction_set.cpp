@@ -8,10 +8,10 @@
 
 #include <stark/base/collect.h>
 #include <stark/base/rotation.h>
+#include <stark/mechanics/lane_outputs.h>
 
 namespace stark {
 
-using symbolic::kLanes;
 using symbolic::Order;
 
 namespace {
@@ -310,7 +310,6 @@ void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
     PotentialBatch& batch = batches[k];
     const int points = batch.point_count();
     const Fields& fields = fields_[k];
-    const bool is_anisotropic = fields.second >= 0;
     std::vector<int32_t> stencils;
     stencils.reserve(members_[k].size() * points);
     for (const size_t i : members_[k])
@@ -319,21 +318,26 @@ void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
     batch.resize(stencils);
     if (stencils.empty()) continue;
     batch.set_previous(reference_.positions);
-    for (int64_t e = 0; e < batch.size(); ++e) {
-      const Pair& pair = pairs_[members_[k][e]];
-      Vec3 start = pair.deflection / reference_.scale;
-      if (!moving_.empty()) start += pair.drift;
-      const double weighted = pair.limit * reference_.weight;
-      batch.set(fields.limit, e, {&weighted, 1});
-      batch.set(fields.first, e, {is_anisotropic ? &pair.along.x : &pair.normal.x, 3});
-      if (is_anisotropic) batch.set(fields.second, e, {&pair.across.x, 3});
-      batch.set(fields.deflection, e, {&start.x, 3});
-      for (int p = 0; p < points; ++p) batch.set(fields.weights[p], e, {&pair.stencil.weights[p], 1});
-      if (points == 2) continue;
-      batch.set(fields.facing, e, {&pair.stencil.facing.x, 3});
-      for (int p = 0; p < points; ++p) batch.set(fields.slopes[p], e, {&pair.stencil.slopes[p].x, 3});
-    }
+    pool_.for_each_range(batch.size(), kPairsPerTask, [&](int64_t begin, int64_t end) {
+      for (int64_t e = begin; e < end; ++e) set_fields(pairs_[members_[k][e]], fields, e, batch);
+    });
   }
+}
+
+void FrictionSet::set_fields(const Pair& pair, const Fields& fields, int64_t e, PotentialBatch& batch) const {
+  const int points = batch.point_count();
+  const bool is_anisotropic = fields.second >= 0;
+  Vec3 start = pair.deflection / reference_.scale;
+  if (!moving_.empty()) start += pair.drift;
+  const double weighted = pair.limit * reference_.weight;
+  batch.set(fields.limit, e, {&weighted, 1});
+  batch.set(fields.first, e, {is_anisotropic ? &pair.along.x : &pair.normal.x, 3});
+  if (is_anisotropic) batch.set(fields.second, e, {&pair.across.x, 3});
+  batch.set(fields.deflection, e, {&start.x, 3});
+  for (int p = 0; p < points; ++p) batch.set(fields.weights[p], e, {&pair.stencil.weights[p], 1});
+  if (points == 2) return;
+  batch.set(fields.facing, e, {&pair.stencil.facing.x, 3});
+  for (int p = 0; p < points; ++p) batch.set(fields.slopes[p], e, {&pair.stencil.slopes[p].x, 3});
 }
 
 FrictionMemory FrictionSet::end_step(std::span<const Vec3> x) const {
@@ -465,11 +469,9 @@ double FrictionSet::energy_at_start() const {
 std::vector<double> FrictionSet::energies(std::span<const Vec3> x) const {
   std::vector<double> energies;
   energies.reserve(pairs_.size());
-  AlignedVector<double> out;
   for (const PotentialBatch& batch : batches_) {
     if (batch.size() == 0) continue;
-    out.resize(batch.block_count() * kLanes);
-    batch.evaluate(Order::Energy, x, 0, batch.block_count(), out.data());
+    const AlignedVector<double> out = lane_outputs(batch, Order::Energy, x, &pool_);
     energies.insert(energies.end(), out.begin(), out.begin() + batch.size());
   }
   return energies;

@@ -181,6 +181,7 @@ class FrictionSet {
   void sort_by_point_count();
   static std::vector<const PotentialBatch*> non_empty(const std::vector<PotentialBatch>& batches);
   void fill(std::vector<PotentialBatch>& batches) const;
+  void set_fields(const Pair& pair, const Fields& fields, int64_t e, PotentialBatch& batch) const;
   std::vector<double> energies(std::span<const Vec3> x) const;
 
   double stick_displacement_;  ///< [m]

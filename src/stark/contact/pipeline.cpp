@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -28,11 +27,6 @@ constexpr double kFacing = 1e-3;
 
 /// Part of their gap that pairs of bodies keep in a step that starts below their least distance.
 constexpr double kKeptGap = 0.5;
-
-/// Bit for bit.
-bool are_same(std::span<const Vec3> a, std::span<const Vec3> b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
-}
 
 Separations::Pair pair_of(int64_t code, double separation) {
   const auto [a, b] = groups_of_code(code);
@@ -280,9 +274,9 @@ void ContactPipeline::fill(const std::vector<Contact>& near, std::span<const Vec
 }
 
 void ContactPipeline::update(std::span<const Vec3> x) {
-  const bool is_here = are_same(x, x_active_);
+  const bool is_here = x_active_.are(x, pool_);
   if (is_active_ && is_here) return;
-  if (is_trial_ && are_same(x, x_trial_)) {
+  if (is_trial_ && x_trial_.are(x, pool_)) {
     search_.at_accepted_trial(x);
     active_.swap(trial_);
     near_active_.swap(near_trial_);
@@ -291,7 +285,7 @@ void ContactPipeline::update(std::span<const Vec3> x) {
     const CandidateList& candidates = search_.at(x);
     if (!is_near_ || !is_here) find_contacts(geometry_, candidates, x, pool_, near_active_);
     fill(near_active_, x, active_);
-    x_active_.assign(x.begin(), x.end());
+    x_active_.hold(x, pool_);
   }
   is_active_ = is_near_ = true;
   is_trial_ = false;
@@ -300,12 +294,13 @@ void ContactPipeline::update(std::span<const Vec3> x) {
 }
 
 void ContactPipeline::settle(std::span<const Vec3> x) {
-  if (!are_same(x, x_active_)) update(x);
+  if (!x_active_.are(x, pool_)) update(x);
 }
 
 std::vector<const PotentialBatch*> ContactPipeline::batches(Curvature curvature) {
   std::vector<const PotentialBatch*> all = active_.batches();
-  const auto frictions = curvature == Curvature::Modelled ? friction_.models(x_active_) : friction_.batches();
+  const auto frictions =
+      curvature == Curvature::Modelled ? friction_.models(x_active_.get()) : friction_.batches();
   all.insert(all.end(), frictions.begin(), frictions.end());
   const auto restitution = restitution_.batches();
   all.insert(all.end(), restitution.begin(), restitution.end());
@@ -330,7 +325,7 @@ double ContactPipeline::safe_fraction(std::span<const Vec3> x0, std::span<const 
 EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
   find_contacts(geometry_, search_.at_trial(x), x, pool_, near_trial_);
   fill(near_trial_, x, trial_);
-  x_trial_.assign(x.begin(), x.end());
+  x_trial_.hold(x, pool_);
   is_trial_ = true;
   EnergyDifference total = stark::energy_difference(active_, trial_);
   for (const EnergyDifference& other : {friction_.energy_difference(x), restitution_.energy_difference(x)}) {
@@ -478,7 +473,7 @@ Nearness ContactPipeline::nearness(std::span<const Vec3> x) {
 }
 
 const std::vector<Contact>& ContactPipeline::find_contacts_at(std::span<const Vec3> x) {
-  if (is_found_ && std::ranges::equal(x, x_found_)) return found_;
+  if (is_found_ && x_found_.are(x, pool_)) return found_;
   is_found_ = false;
   const CandidateList& candidates = search_.at(x);
   CloseBodies close = std::exchange(geometry_.close, {});
@@ -487,7 +482,7 @@ const std::vector<Contact>& ContactPipeline::find_contacts_at(std::span<const Ve
   std::vector<Contact> edges;
   find_contacts(geometry_, search_.distant_edges(), x, pool_, edges);
   found_.insert(found_.end(), edges.begin(), edges.end());
-  x_found_.assign(x.begin(), x.end());
+  x_found_.hold(x, pool_);
   is_found_ = true;
   geometry_.close = std::move(close);
   geometry_.edge_ranges = std::move(ranges);

@@ -13,6 +13,7 @@
 #include <stark/contact/contact_law.h>
 #include <stark/contact/contact_settings.h>
 #include <stark/contact/friction_set.h>
+#include <stark/contact/held_positions.h>
 #include <stark/contact/restitution.h>
 #include <stark/mechanics/active_set.h>
 
@@ -209,14 +210,14 @@ class ContactPipeline final : public ActiveSet {
   std::vector<Contact> near_active_, near_trial_;
   /// Of the last find_contacts_at().
   std::vector<Contact> found_;
-  std::vector<Vec3> x_found_;
+  HeldPositions x_found_;
   bool is_found_ = false;
   FrictionSet friction_;
   RestitutionSet restitution_;
   bool is_bound_ = true;
   CcdReport ccd_report_;
   std::vector<Vec3> x_reference_;
-  std::vector<Vec3> x_active_, x_trial_;  ///< of the last update(), of the last energy_difference()
+  HeldPositions x_active_, x_trial_;  ///< of the last update(), of the last energy_difference()
   /// Nothing but x decides what the next one gives; of is_near_ nothing but x and the names.
   bool is_active_ = false, is_trial_ = false, is_near_ = false;
   double duration_ = 0.0, weight_ = 1.0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace stark {
 
@@ -10,6 +11,8 @@ namespace {
 
 /// Sites between two looks at whether one has left its margin.
 constexpr int32_t kSitesPerLook = 512;
+
+constexpr int64_t kPiecesPerTask = 32;
 
 /// Half an edge of a cube over the radius of the ball around it, and a little less.
 constexpr double kCube = 0.577;
@@ -38,7 +41,7 @@ bool is_beyond(const Vec3& a, const Vec3& b, double squared) { return !(squared_
 
 }  // namespace
 
-SiteMargins::SiteMargins(const SurfaceMesh& mesh) {
+SiteMargins::SiteMargins(const SurfaceMesh& mesh, ThreadPool* pool) : pool_(pool) {
   std::vector<Run> all;
   for (const int32_t site : find_surface_sites(mesh)) {
     const int32_t group = mesh.vertex_group[site];
@@ -88,14 +91,23 @@ int64_t SiteMargins::mark(std::span<uint8_t> out, IsSite&& is_site, IsPiece&& is
       added += is_new ? 1 : 0;
     }
   }
-  for (const Piece& piece : pieces_) {
-    if (out[piece.runs[0].begin] != 0 || !is_piece(piece)) continue;
-    for (const Run& run : piece.runs) {
-      std::fill(out.begin() + run.begin, out.begin() + run.end, 1);
-      added += run.end - run.begin;
+  // Each piece has sites of its own, far from each other in memory.
+  std::vector<int64_t> added_of(pieces_.size(), 0);
+  const auto mark_pieces = [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      const Piece& piece = pieces_[k];
+      if (out[piece.runs[0].begin] != 0 || !is_piece(piece)) continue;
+      for (const Run& run : piece.runs) {
+        std::fill(out.begin() + run.begin, out.begin() + run.end, 1);
+        added_of[k] += run.end - run.begin;
+      }
     }
-  }
-  return added;
+  };
+  if (pool_ != nullptr)
+    pool_->for_each_range(std::ssize(pieces_), kPiecesPerTask, mark_pieces);
+  else
+    mark_pieces(0, std::ssize(pieces_));
+  return std::reduce(added_of.begin(), added_of.end(), added);
 }
 
 int64_t SiteMargins::add_beyond(double part, std::span<const double> margin, std::span<const Vec3> base,

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include <stark/base/thread_pool.h>
 #include <stark/collision/bounds.h>
 #include <stark/collision/surface_mesh.h>
 
@@ -17,7 +18,8 @@ namespace stark {
 class SiteMargins {
  public:
   SiteMargins() = default;
-  explicit SiteMargins(const SurfaceMesh& mesh);
+  /// pool: to ask many pieces; may be null.
+  explicit SiteMargins(const SurfaceMesh& mesh, ThreadPool* pool = nullptr);
 
   int64_t site_count() const { return count_; }
 
@@ -58,6 +60,7 @@ class SiteMargins {
                      std::span<const Vec3> x, std::span<uint8_t> out) const;
 
   int64_t count_ = 0;
+  ThreadPool* pool_ = nullptr;
   std::vector<Run> runs_;      ///< of groups without a frame
   std::vector<Piece> pieces_;  ///< by group
 };

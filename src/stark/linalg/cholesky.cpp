@@ -37,7 +37,15 @@ constexpr int64_t kShrinkPatience = 20;
 constexpr int64_t kStripGrain = 4;      // strips of one task in a shared front
 constexpr int64_t kAssemblyGrain = 16;  // child columns of one task when a shared front is assembled
 constexpr int64_t kZerosGrain = 65536;  // entries of one task when a shared front is cleared
+constexpr int64_t kSolveGrain = 32768;  // entries of the factor of one task of a solve with a shared front
+constexpr int64_t kRowsGrain = 8192;    // block rows of one task when vectors are permuted
 constexpr int32_t kNoFailure = INT32_MAX;
+
+/// Of `length` entries a row, for a solve with a shared front.
+template <typename Real>
+int64_t strips_per_task(int64_t length) {
+  return std::max<int64_t>(kSolveGrain / (kStrip<Real> * std::max<int64_t>(length, 1)), 1);
+}
 
 }  // namespace
 
@@ -71,8 +79,8 @@ struct Cholesky<Real>::Implementation {
   int32_t failed_position(int32_t s, const Front<Real>& f, int column) const;
   int32_t factor_front(const BlockMatrix& matrix, int32_t s, int thread);
   int32_t factor_shared_front(const BlockMatrix& matrix, int32_t s, ThreadPool& pool);
-  void forward(int32_t s, Real* scratch);
-  void backward(int32_t s, Real* scratch);
+  void forward(int32_t s, Real* scratch, ThreadPool* shared);
+  void backward(int32_t s, Real* scratch, ThreadPool* shared);
 };
 
 template <typename Real>
@@ -112,7 +120,7 @@ int32_t Cholesky<Real>::Implementation::factor_front(const BlockMatrix& matrix, 
   }
   for (int block = 0; block < f.padded_columns; block += kColumnBlock) {
     const int block_end = std::min(block + kColumnBlock, f.padded_columns);
-    front::update_diagonal(f.pivot, block, block_end);
+    front::update_diagonal(f.pivot, block, block_end, block / kStrip<Real>, strips_of<Real>(block_end));
     const int failed = front::factor_diagonal(f.pivot, block, block_end);
     if (failed >= 0) return failed_position(s, f, failed);
     front::solve_strips(f.pivot, block, block_end, strips_of<Real>(block_end), f.pivot_strips, wide,
@@ -156,10 +164,14 @@ int32_t Cholesky<Real>::Implementation::factor_shared_front(const BlockMatrix& m
   }
   for (int block = 0; block < f.padded_columns; block += kColumnBlock) {
     const int block_end = std::min(block + kColumnBlock, f.padded_columns);
-    front::update_diagonal(f.pivot, block, block_end);
+    const int own = block / kStrip<Real>, first = strips_of<Real>(block_end), below = f.pivot_strips - first;
+    if (block > 0)
+      pool.for_each_task(first - own, [&](int64_t strip, int) {
+        const int at = own + static_cast<int>(strip);
+        front::update_diagonal(f.pivot, block, block_end, at, at + 1);
+      });
     const int failed = front::factor_diagonal(f.pivot, block, block_end);
     if (failed >= 0) return failed_position(s, f, failed);
-    const int first = strips_of<Real>(block_end), below = f.pivot_strips - first;
     pool.for_each_range(std::max(below, 0) + f.border_strips, kStripGrain, [&](int64_t from, int64_t to) {
       front::solve_strips(f.pivot, block, block_end, first + static_cast<int>(from),
                           first + static_cast<int>(to), wide, [&](int strip) {
@@ -282,9 +294,10 @@ FactorStatus Cholesky<Real>::factor(const BlockMatrix& matrix, ThreadPool& pool)
   return {false, s.tree.order[failure]};
 }
 
-// Solves with the pivots of supernode s; leaves in w what its update rows owe.
+// Solves with the pivots of supernode s; leaves in w what its update rows owe. shared: for fronts above the
+// subtrees.
 template <typename Real>
-void Cholesky<Real>::Implementation::forward(int32_t s, Real* scratch) {
+void Cholesky<Real>::Implementation::forward(int32_t s, Real* scratch, ThreadPool* shared) {
   constexpr int kS = kStrip<Real>;
   const Front<Real> f = front_of(s, 0);
   Real* const x = scratch;
@@ -305,14 +318,20 @@ void Cholesky<Real>::Implementation::forward(int32_t s, Real* scratch) {
     }
   }
   front::solve_lower(f.pivot, f.padded_columns, x);
-  for (int strip = 0; strip < f.border_strips; ++strip)
-    front::multiply_strip(f.border_strip(strip), x, f.padded_columns, rows + strip * kS);
+  const auto multiply = [&](int64_t from, int64_t to) {
+    for (auto strip = static_cast<int>(from); strip < to; ++strip)
+      front::multiply_strip(f.border_strip(strip), x, f.padded_columns, rows + strip * kS);
+  };
+  if (shared != nullptr)
+    shared->for_each_range(f.border_strips, strips_per_task<Real>(f.padded_columns), multiply);
+  else
+    multiply(0, f.border_strips);
   std::copy(x, x + f.columns, own);
   std::copy(rows, rows + f.rows, w.data() + 3 * tree.row_start[s]);
 }
 
 template <typename Real>
-void Cholesky<Real>::Implementation::backward(int32_t s, Real* scratch) {
+void Cholesky<Real>::Implementation::backward(int32_t s, Real* scratch, ThreadPool* shared) {
   constexpr int kS = kStrip<Real>;
   const Front<Real> f = front_of(s, 0);
   Real* const x = scratch;
@@ -323,7 +342,13 @@ void Cholesky<Real>::Implementation::backward(int32_t s, Real* scratch) {
   const int32_t* row = tree.row.data() + tree.row_start[s];
   for (int32_t k = 0; k < f.rows / 3; ++k)
     for (int r = 0; r < 3; ++r) rows[3 * k + r] = y[3 * static_cast<int64_t>(row[k]) + r];
-  front::solve_upper(f.pivot, f.border, f.padded_columns, f.border_strips, x, rows);
+  if (shared != nullptr)
+    shared->for_each_range(f.pivot_strips, strips_per_task<Real>(f.border_strips * kS),
+                           [&](int64_t from, int64_t to) {
+                             front::subtract_border(f.border, f.padded_columns, f.border_strips,
+                                                    static_cast<int>(from), static_cast<int>(to), x, rows);
+                           });
+  front::solve_upper(f.pivot, f.border, f.padded_columns, shared != nullptr ? 0 : f.border_strips, x, rows);
   std::copy(x, x + f.columns, own);
 }
 
@@ -335,25 +360,27 @@ void Cholesky<Real>::solve(const double* b, double* x, ThreadPool& pool) {
   s.w.resize(3 * s.tree.row.size());
   if (static_cast<int>(s.local.size()) < pool.thread_count()) s.local.resize(pool.thread_count());
   for (auto& scratch : s.local) scratch.resize(s.plan.max_rows);
-  for (int32_t p = 0; p < n; ++p)
-    for (int r = 0; r < 3; ++r)
-      s.y[3 * static_cast<size_t>(p) + r] =
-          static_cast<Real>(b[3 * static_cast<int64_t>(s.tree.order[p]) + r]);
+  pool.for_each_range(n, kRowsGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t p = begin; p < end; ++p)
+      for (int r = 0; r < 3; ++r)
+        s.y[3 * p + r] = static_cast<Real>(b[3 * static_cast<int64_t>(s.tree.order[p]) + r]);
+  });
   const auto subtrees = static_cast<int64_t>(s.plan.subtrees.size());
   pool.for_each_task(subtrees, [&](int64_t task, int thread) {
     for (int32_t node = s.plan.subtrees[task].begin; node < s.plan.subtrees[task].end; ++node)
-      s.forward(node, s.local[thread].data());
+      s.forward(node, s.local[thread].data(), nullptr);
   });
-  for (const int32_t node : s.plan.top) s.forward(node, s.local[0].data());
-  for (size_t k = s.plan.top.size(); k-- > 0;) s.backward(s.plan.top[k], s.local[0].data());
+  for (const int32_t node : s.plan.top) s.forward(node, s.local[0].data(), &pool);
+  for (size_t k = s.plan.top.size(); k-- > 0;) s.backward(s.plan.top[k], s.local[0].data(), &pool);
   pool.for_each_task(subtrees, [&](int64_t task, int thread) {
     for (int32_t node = s.plan.subtrees[task].end; node-- > s.plan.subtrees[task].begin;)
-      s.backward(node, s.local[thread].data());
+      s.backward(node, s.local[thread].data(), nullptr);
   });
-  for (int32_t p = 0; p < n; ++p)
-    for (int r = 0; r < 3; ++r)
-      x[3 * static_cast<int64_t>(s.tree.order[p]) + r] =
-          static_cast<double>(s.y[3 * static_cast<size_t>(p) + r]);
+  pool.for_each_range(n, kRowsGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t p = begin; p < end; ++p)
+      for (int r = 0; r < 3; ++r)
+        x[3 * static_cast<int64_t>(s.tree.order[p]) + r] = static_cast<double>(s.y[3 * p + r]);
+  });
 }
 
 template <typename Real>

@@ -179,14 +179,15 @@ int factor_diagonal(Real* pivot, int begin, int end) {
   return -1;
 }
 
-/// Subtracts the products with columns before `begin` from the diagonal block of columns [begin, end).
+/// Subtracts the products with columns before `begin` from strips [first, last) of the diagonal block of
+/// columns [begin, end).
 template <typename Real>
-void update_diagonal(Real* pivot, int begin, int end) {
+void update_diagonal(Real* pivot, int begin, int end, int first, int last) {
   constexpr int kS = kStrip<Real>;
   Tile<Real> t;
   for (int k = 0; k < begin; k += kDepthBlock) {
     const int depth = std::min(kDepthBlock, begin - k);
-    for (int s = begin / kS; s < strips_of<Real>(end); ++s) {
+    for (int s = first; s < last; ++s) {
       Real* const row = pivot + triangle_offset<Real>(s);
       for (int q = begin; q < std::min(end, (s + 1) * kS); q += kTile) {
         t.load(row + q * kS);
@@ -296,21 +297,47 @@ void solve_lower(const Real* pivot, int n4, Real* x) {
   }
 }
 
+/// Columns of strip s of the pivots.
+template <typename Real>
+constexpr int columns_of_strip(int s, int n4) {
+  return std::min(kStrip<Real>, n4 - s * kStrip<Real>);
+}
+
+/// sums += the columns of strip s of the pivots in the border B of `border_strips` strips, times y.
+template <typename Real>
+inline void multiply_border_transposed(const Real* border, int n4, int border_strips, int s, const Real* y,
+                                       simd::V<Real>* sums) {
+  constexpr int kS = kStrip<Real>;
+  for (int below = 0; below < border_strips; ++below)
+    multiply_strip_transposed(border + (static_cast<int64_t>(below) * n4 + s * kS) * kS, y + below * kS,
+                              columns_of_strip<Real>(s, n4), sums);
+}
+
+/// x -= B^T y in strips [first, last) of the pivots, B being the border of `border_strips` strips.
+template <typename Real>
+void subtract_border(const Real* border, int n4, int border_strips, int first, int last, Real* x,
+                     const Real* y) {
+  constexpr int kS = kStrip<Real>;
+  for (int s = first; s < last; ++s) {
+    simd::V<Real> sums[kS] = {};
+    multiply_border_transposed(border, n4, border_strips, s, y, sums);
+    for (int k = 0; k < columns_of_strip<Real>(s, n4); ++k) x[s * kS + k] -= simd::sum(sums[k]);
+  }
+}
+
 /// Solves L^T x = x - B^T y with the pivot block and the border B of `border_strips` strips.
 template <typename Real>
 void solve_upper(const Real* pivot, const Real* border, int n4, int border_strips, Real* x, const Real* y) {
   constexpr int kS = kStrip<Real>;
   const int strips = strips_of<Real>(n4);
   for (int s = strips - 1; s >= 0; --s) {
-    const int begin = s * kS, count = std::min(kS, n4 - begin);
+    const int begin = s * kS, count = columns_of_strip<Real>(s, n4);
     simd::V<Real> sums[kS];
     for (int c = 0; c < count; ++c) sums[c] = simd::splat(Real(0));
     for (int below = s + 1; below < strips; ++below)
       multiply_strip_transposed(pivot + triangle_offset<Real>(below) + begin * kS, x + below * kS, count,
                                 sums);
-    for (int below = 0; below < border_strips; ++below)
-      multiply_strip_transposed(border + (static_cast<int64_t>(below) * n4 + begin) * kS, y + below * kS,
-                                count, sums);
+    multiply_border_transposed(border, n4, border_strips, s, y, sums);
     const Real* const diagonal = pivot + triangle_offset<Real>(s) + begin * kS;
     for (int k = count - 1; k >= 0; --k) {
       Real value = x[begin + k] - simd::sum(sums[k]);

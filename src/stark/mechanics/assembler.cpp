@@ -254,9 +254,14 @@ void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration
     batch.evaluate(Order::Hessian, x, first, last, out);
     if (options.project) projected_count_ += project_blocks(batch.potential(), last - first, out);
   });
+  const bool are_wanted = out_energies != nullptr;
+  if (!are_wanted && options.pending.empty() && point_scatter_.take(batch, map_, pool_)) {
+    point_scatter_.add(batch, lanes, pool_, gradient, hessian);
+    return;
+  }
   for (int64_t block = 0; block < batch.block_count(); ++block) {
     const double* out = lanes + block * outputs * kLanes;
-    for (int64_t l = 0; out_energies && l < lanes_used(batch, block); ++l)
+    for (int64_t l = 0; are_wanted && l < lanes_used(batch, block); ++l)
       out_energies[block * kLanes + l] = ElementView(out, 3 * points, static_cast<int>(l)).energy();
     if (!batch.rests(block)) add_mapped_block(batch, block, out, configuration, options, gradient, hessian);
   }
@@ -290,7 +295,7 @@ void Assembler::add_mapped_block(const PotentialBatch& batch, int64_t block, con
     if (!options.pending.empty()) pending_gradient(element, sites, map_, options.pending, extra_);
     if (find_point_blocks(sites)) {
       std::ranges::fill(jacobians_of(lane), SiteJacobian{});
-      add_point_element(element, blocks_, extra_, gradient, hessian);
+      add_point_element(element, blocks_, extra_, RowRange{}, gradient, hessian);
       continue;
     }
     mapped[mapped_count++] = lane;

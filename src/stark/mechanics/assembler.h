@@ -5,7 +5,8 @@
 // element Hessians are in cache; chunks are coloured so that no two chunks of a colour share a block, hence
 // no atomics and one order of sums whatever the number of threads. Elements with quadrature points are always
 // static and on plain points, and have a plan of their own (quadrature_plan.h). All other batches are
-// evaluated in parallel into a buffer and added in order.
+// evaluated in parallel into a buffer and added in order, row by row on several threads where all their
+// sites are points (point_scatter.h).
 #pragma once
 
 #include <span>
@@ -19,6 +20,7 @@
 #include <stark/mechanics/energy_difference.h>
 #include <stark/mechanics/kinematic_map.h>
 #include <stark/mechanics/lane_congruence.h>
+#include <stark/mechanics/point_scatter.h>
 #include <stark/mechanics/potential_batch.h>
 #include <stark/mechanics/quadrature_plan.h>
 #include <stark/solve/low_rank.h>
@@ -37,6 +39,7 @@ struct AssemblyOptions {
 class Assembler {
  public:
   Assembler(const KinematicMap& map, ThreadPool& pool);
+  ThreadPool& pool() const { return pool_; }
 
   void set_static_batches(const std::vector<PotentialBatch*>& batches,
                           const std::vector<const QuadratureBatch*>& quadrature = {});
@@ -105,6 +108,7 @@ class Assembler {
   std::vector<std::pair<int32_t, int32_t>> dynamic_pairs_;  ///< that pattern_ was merged with
   std::vector<int64_t> slot_of_static_;  ///< slot in pattern_ of each slot of static_pattern_
   ScratchBuffer<double> buffer_;
+  PointScatter point_scatter_;
   LaneCongruence congruence_;
   std::vector<SiteJacobian> jacobians_;    ///< of a block of lanes, [lane][point]
   std::vector<int32_t> blocks_;            ///< of one element

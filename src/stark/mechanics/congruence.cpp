@@ -29,11 +29,11 @@ void pending_gradient(const ElementView& element, std::span<const int32_t> sites
 }
 
 void add_point_element(const ElementView& element, std::span<const int32_t> blocks,
-                       std::span<const Vec3> extra_gradient, std::span<double> gradient,
+                       std::span<const Vec3> extra_gradient, const RowRange& rows, std::span<double> gradient,
                        BlockMatrix& hessian) {
   const int points = static_cast<int>(blocks.size());
   for (int p = 0; p < points; ++p) {
-    if (blocks[p] == kNoBlock) continue;
+    if (blocks[p] == kNoBlock || !rows.has(blocks[p])) continue;
     Vec3 g = element.point_gradient(p);
     if (!extra_gradient.empty()) g += extra_gradient[p];
     for (int c = 0; c < 3; ++c) gradient[3 * blocks[p] + c] += g[c];

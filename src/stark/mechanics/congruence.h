@@ -2,6 +2,7 @@
 // the rigid curvature needs (step phase 4e; formulas in kinematic_map.h). [theory eq. 5, 6]
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include <stark/linalg/block_matrix.h>
@@ -16,10 +17,16 @@ namespace stark {
 void pending_gradient(const ElementView& element, std::span<const int32_t> sites, const KinematicMap& map,
                       std::span<const Vec3> pending, std::span<Vec3> out);
 
+/// Rows of blocks of the system.
+struct RowRange {
+  int32_t begin = 0, end = std::numeric_limits<int32_t>::max();
+  bool has(int32_t row) const { return begin <= row && row < end; }
+};
+
 /// Adds an element whose sites are points or prescribed: the map is the identity on `blocks`, kNoBlock for
-/// prescribed sites. Same result as the functions below, without Jacobians.
+/// prescribed sites. Same result as the functions below, without Jacobians; in these rows only.
 void add_point_element(const ElementView& element, std::span<const int32_t> blocks,
-                       std::span<const Vec3> extra_gradient, std::span<double> gradient,
+                       std::span<const Vec3> extra_gradient, const RowRange& rows, std::span<double> gradient,
                        BlockMatrix& hessian);
 
 /// Adds J^T g of a site.

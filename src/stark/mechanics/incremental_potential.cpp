@@ -67,10 +67,10 @@ void IncrementalPotential::begin(const Configuration& start, const Configuration
   trial_alpha_.reset();
   settled_.reset();
   target_ = target;
-  map_.positions(start, x_);
+  map_.positions(start, x_, &assembler_.pool());
   if (std::isfinite(motion_limit_)) x_start_ = x_;
   std::vector<Vec3> x_target(map_.site_count());
-  map_.positions(target, x_target);
+  map_.positions(target, x_target, &assembler_.pool());
   prescribed_start_.clear();
   prescribed_target_.clear();
   bool moves = false;
@@ -186,7 +186,7 @@ void IncrementalPotential::set_trial(std::span<const double> direction, double a
         trial_progress_ >= 1.0 ? target_.body_position[b]
                                : start_.body_position[b] +
                                      (target_.body_position[b] - start_.body_position[b]) * trial_progress_;
-  map_.positions(trial_, x_trial_);
+  map_.positions(trial_, x_trial_, &assembler_.pool());
   place_prescribed(trial_progress_, x_trial_);
 }
 

@@ -8,6 +8,8 @@ namespace stark {
 
 namespace {
 
+constexpr int64_t kSitesPerTask = 8192;
+
 /// Whether rotation leaves the site where it is: centres of mass and nodes of rods.
 bool is_centre(const Site& site) { return site.local == Vec3{}; }
 
@@ -63,33 +65,50 @@ void KinematicMap::follow(std::span<Vec3> by_point) const {
   for (const int32_t p : followers_) by_point[p] = point_sum(support(p), by_point);
 }
 
-void KinematicMap::positions(const Configuration& configuration, std::span<Vec3> out_x) const {
-  for (const Run& run : runs_) {
-    switch (run.kind) {
-      case SiteKind::Point:
-        std::copy_n(configuration.point_position.begin() + run.index, run.end - run.begin,
-                    out_x.begin() + run.begin);
-        break;
-      case SiteKind::RigidPoint:
-      case SiteKind::RigidDirection: {
-        const Mat3 R = configuration.body_rotation[run.index];
-        if (run.kind == SiteKind::RigidDirection) {
-          for (int32_t i = run.begin; i < run.end; ++i) out_x[i] = R * local_[i];
-          break;
-        }
-        const Vec3 centre = configuration.body_position[run.index];
-        for (int32_t i = run.begin; i < run.end; ++i) out_x[i] = centre + R * local_[i];
+void KinematicMap::positions(const Configuration& configuration, std::span<Vec3> out_x,
+                             ThreadPool* pool) const {
+  const auto place_range = [&](int64_t begin, int64_t end) {
+    auto run = std::ranges::upper_bound(runs_, begin, {}, &Run::begin) - 1;
+    for (; run != runs_.end() && run->begin < end; ++run) {
+      Run part = *run;
+      part.begin = std::max(run->begin, static_cast<int32_t>(begin));
+      part.end = std::min(run->end, static_cast<int32_t>(end));
+      if (run->kind == SiteKind::Point) part.index += part.begin - run->begin;
+      place(part, configuration, out_x);
+    }
+  };
+  if (sites_.empty()) return;
+  if (pool != nullptr)
+    pool->for_each_range(site_count(), kSitesPerTask, place_range);
+  else
+    place_range(0, site_count());
+}
+
+void KinematicMap::place(const Run& run, const Configuration& configuration, std::span<Vec3> out_x) const {
+  switch (run.kind) {
+    case SiteKind::Point:
+      std::copy_n(configuration.point_position.begin() + run.index, run.end - run.begin,
+                  out_x.begin() + run.begin);
+      break;
+    case SiteKind::RigidPoint:
+    case SiteKind::RigidDirection: {
+      const Mat3 R = configuration.body_rotation[run.index];
+      if (run.kind == SiteKind::RigidDirection) {
+        for (int32_t i = run.begin; i < run.end; ++i) out_x[i] = R * local_[i];
         break;
       }
-      case SiteKind::Barycentric:
-      case SiteKind::Embedded:
-        for (int32_t i = run.begin; i < run.end; ++i)
-          out_x[i] = point_sum(support(i), configuration.point_position);
-        break;
-      case SiteKind::World:
-        for (int32_t i = run.begin; i < run.end; ++i) out_x[i] = sites_[i].local;
-        break;
+      const Vec3 centre = configuration.body_position[run.index];
+      for (int32_t i = run.begin; i < run.end; ++i) out_x[i] = centre + R * local_[i];
+      break;
     }
+    case SiteKind::Barycentric:
+    case SiteKind::Embedded:
+      for (int32_t i = run.begin; i < run.end; ++i)
+        out_x[i] = point_sum(support(i), configuration.point_position);
+      break;
+    case SiteKind::World:
+      for (int32_t i = run.begin; i < run.end; ++i) out_x[i] = sites_[i].local;
+      break;
   }
 }
 

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include <stark/base/thread_pool.h>
 #include <stark/mechanics/dof_layout.h>
 #include <stark/mechanics/site.h>
 #include <stark/mechanics/whole_turn.h>
@@ -93,8 +94,8 @@ class KinematicMap {
   /// are positions, velocities or displacements by point.
   void follow(std::span<Vec3> by_point) const;
 
-  /// Positions of all sites [m]; prescribed ones included.
-  void positions(const Configuration& configuration, std::span<Vec3> out_x) const;
+  /// Positions of all sites [m]; prescribed ones included. pool: for many sites.
+  void positions(const Configuration& configuration, std::span<Vec3> out_x, ThreadPool* pool = nullptr) const;
 
   /// True when no unknown moves the site.
   bool is_prescribed(int32_t site) const { return prescribed_[site]; }
@@ -122,6 +123,7 @@ class KinematicMap {
   };
 
   void find_runs();
+  void place(const Run& run, const Configuration& configuration, std::span<Vec3> out_x) const;
   Way turn(const Configuration& from, std::span<const double> direction, double alpha,
            Configuration& out) const;
 

@@ -1,6 +1,7 @@
 #include <stark/mechanics/site_gradient.h>
 
 #include <stark/mechanics/lane_of.h>
+#include <stark/mechanics/lane_outputs.h>
 
 namespace stark {
 
@@ -9,11 +10,17 @@ using symbolic::Order;
 
 namespace {
 
+/// Sum of energies, which are all that there is of each element.
+double sum_of(std::span<const double> energies, int64_t count) {
+  double total = 0.0;
+  for (int64_t e = 0; e < count; ++e) total += energies[e];
+  return total;
+}
+
 void add_elements(const PotentialBatch& batch, std::span<const Vec3> x, double factor,
-                  std::span<Vec3> gradient) {
+                  std::span<Vec3> gradient, ThreadPool* pool) {
   const int outputs = batch.potential().kernel().output_count(Order::Gradient);
-  AlignedVector<double> out(batch.block_count() * outputs * kLanes);
-  batch.evaluate(Order::Gradient, x, 0, batch.block_count(), out.data());
+  const AlignedVector<double> out = lane_outputs(batch, Order::Gradient, x, pool);
   for (int64_t e = 0; e < batch.size(); ++e) {
     const double* g = lane_of(out.data(), outputs, e) + kLanes;  // after the energy
     for (const int32_t site : batch.stencil(e)) {
@@ -26,16 +33,15 @@ void add_elements(const PotentialBatch& batch, std::span<const Vec3> x, double f
 }  // namespace
 
 void add_site_gradient(const PotentialBatch& batch, std::span<const Vec3> x, double factor,
-                       std::span<Vec3> gradient) {
-  if (batch.potential().totals()) return add_elements(batch.touching(x), x, factor, gradient);
-  add_elements(batch, x, factor, gradient);
+                       std::span<Vec3> gradient, ThreadPool* pool) {
+  if (batch.potential().totals()) return add_elements(batch.touching(x), x, factor, gradient, pool);
+  add_elements(batch, x, factor, gradient, pool);
 }
 
 void add_site_gradient(const QuadratureBatch& batch, std::span<const Vec3> x, double factor,
-                       std::span<Vec3> gradient) {
+                       std::span<Vec3> gradient, ThreadPool* pool) {
   const int outputs = batch.output_count(Order::Gradient);
-  AlignedVector<double> out(batch.law().block_count() * outputs * kLanes);
-  batch.evaluate(Order::Gradient, x, 0, batch.group_count(), out.data());
+  const AlignedVector<double> out = lane_outputs(batch, Order::Gradient, x, pool);
   for (int64_t e = 0; e < batch.size(); ++e)
     for (int q = 0; q < batch.points_per_element(); ++q) {
       const double* P = lane_of(out.data(), outputs, e * batch.points_per_element() + q) + kLanes;
@@ -49,21 +55,13 @@ void add_site_gradient(const QuadratureBatch& batch, std::span<const Vec3> x, do
     }
 }
 
-double total_energy(const PotentialBatch& batch, std::span<const Vec3> x) {
+double total_energy(const PotentialBatch& batch, std::span<const Vec3> x, ThreadPool* pool) {
   if (batch.potential().totals()) return batch.touching(x).plane().energy;
-  AlignedVector<double> out(batch.block_count() * kLanes);
-  batch.evaluate(Order::Energy, x, 0, batch.block_count(), out.data());
-  double total = 0.0;
-  for (int64_t e = 0; e < batch.size(); ++e) total += out[e];
-  return total;
+  return sum_of(lane_outputs(batch, Order::Energy, x, pool), batch.size());
 }
 
-double total_energy(const QuadratureBatch& batch, std::span<const Vec3> x) {
-  AlignedVector<double> out(batch.law().block_count() * kLanes);
-  batch.evaluate(Order::Energy, x, 0, batch.group_count(), out.data());
-  double total = 0.0;
-  for (int64_t q = 0; q < batch.law().size(); ++q) total += out[q];
-  return total;
+double total_energy(const QuadratureBatch& batch, std::span<const Vec3> x, ThreadPool* pool) {
+  return sum_of(lane_outputs(batch, Order::Energy, x, pool), batch.law().size());
 }
 
 }  // namespace stark

@@ -60,9 +60,9 @@ double slope_in_step(Batch& batch, double h, std::span<const Vec3> x) {
 
 /// What elements store.
 template <typename Batch>
-double stored(Batch& batch, std::span<const Vec3> x) {
+double stored(Batch& batch, std::span<const Vec3> x, ThreadPool& pool) {
   const AtRest rest(batch, x);
-  return total_energy(batch, x);
+  return total_energy(batch, x, &pool);
 }
 
 }  // namespace
@@ -106,7 +106,7 @@ double StepLedger::work_of_time(std::span<const Vec3> x) {
   const InternalOfState start(energies_, state_.internal_variable);
   double total = 0.0;
   const auto add = [&](auto& part) {
-    total += stored(part.batch, x) - stored_energy(part, x);
+    total += stored(part.batch, x, pool_) - stored_energy(part, x);
     motion_.set_previous(part.batch);
   };
   for (const int32_t k : timed_batches_) add(energies_.batches[k]);
@@ -118,14 +118,14 @@ double StepLedger::work_of_time(std::span<const Vec3> x) {
 double StepLedger::stored_energy(ModelBatch& batch, std::span<const Vec3> x) {
   if (batch.role != ModelBatch::Role::Elastic) return 0.0;
   const AtTime now(batch.batch, state_.time);
-  const double energy = stored(batch.batch, x);
+  const double energy = stored(batch.batch, x, pool_);
   motion_.set_previous(batch.batch);
   return energy;
 }
 
 double StepLedger::stored_energy(ModelQuadrature& elements, std::span<const Vec3> x) {
   const AtTime now(elements.batch, state_.time);
-  const double energy = stored(elements.batch, x);
+  const double energy = stored(elements.batch, x, pool_);
   motion_.set_previous(elements.batch);
   return energy;
 }
@@ -186,9 +186,9 @@ double StepLedger::damping_work() {
   std::vector<Vec3> dissipative;  // empty where nothing dissipates
   const auto add = [&](auto& batch) {
     dissipative.resize(x.size());
-    add_site_gradient(batch, x, 1.0, dissipative);
+    add_site_gradient(batch, x, 1.0, dissipative, &pool_);
     batch.set_previous(x);
-    add_site_gradient(batch, x, -1.0, dissipative);
+    add_site_gradient(batch, x, -1.0, dissipative, &pool_);
     motion_.set_previous(batch);
   };
   for (ModelBatch& batch : energies_.batches)
@@ -219,7 +219,7 @@ double StepLedger::flow_dissipation(Batch& batch) {
   const double h = StepClock(law_of(batch)).step;
   const auto stored_with = [&](std::span<const Vec3> at, std::span<const double> values) {
     batch.set_internal(values);
-    const double found = stored(batch, at);
+    const double found = stored(batch, at, pool_);
     batch.set_internal(start);
     return found;
   };
@@ -248,12 +248,12 @@ double StepLedger::driven_work() {
     at.resize(x.size());
     gradient.assign(x.size(), Vec3{});
     batch.set_previous(x);
-    add_site_gradient(batch, x, 1.0, gradient);
+    add_site_gradient(batch, x, 1.0, gradient, &pool_);
     const double force_work = work(gradient, step_start_, x);
     double largest = 0.0;
     const double slope = slope_at_end([&](double part) {
       for (size_t i = 0; i < x.size(); ++i) at[i] = x[i] + (step_start_[i] - x[i]) * part;
-      const double energy = stored(batch, at);
+      const double energy = stored(batch, at, pool_);
       largest = std::max(largest, std::fabs(energy));
       return energy;
     });
@@ -276,12 +276,13 @@ double StepLedger::flow_dissipation() {
 std::vector<Vec3> StepLedger::site_gradient() const {
   const std::span<const Vec3> x = potential_.site_positions();
   std::vector<Vec3> gradient(x.size());
-  for (const PotentialBatch* batch : energies_.all_batches()) add_site_gradient(*batch, x, 1.0, gradient);
+  for (const PotentialBatch* batch : energies_.all_batches())
+    add_site_gradient(*batch, x, 1.0, gradient, &pool_);
   for (const ModelQuadrature& elements : energies_.quadrature)
-    add_site_gradient(elements.batch, x, 1.0, gradient);
+    add_site_gradient(elements.batch, x, 1.0, gradient, &pool_);
   if (contact_)
     for (const PotentialBatch* batch : contact_->batches(Curvature::Exact))
-      add_site_gradient(*batch, x, 1.0 / contact_->weight(), gradient);
+      add_site_gradient(*batch, x, 1.0 / contact_->weight(), gradient, &pool_);
   return gradient;
 }
 
