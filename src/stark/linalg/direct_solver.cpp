@@ -8,9 +8,8 @@ namespace stark {
 namespace {
 
 constexpr double kRefinementTolerance = 1e-10;  // relative residual asked of factors in double
-// The same of factors in single precision, in fewer solves: far below what a step of Newton's method is
-// worth.
-constexpr double kFloatTolerance = 1e-6;
+// The same of factors in single precision, in fewer solves: what a step of Newton's method is worth.
+constexpr double kFloatTolerance = 1e-4;
 constexpr int kFloatRefinements = 30;
 constexpr int kDoubleRefinements = 3;
 constexpr double kAcceptableResidual = 1e-6;  // a direct solve worse than this is a failure

@@ -78,7 +78,7 @@ def test_forty_runs_survive_two_workers_and_a_node(tmp_path: Path, cluster: Any)
     rows = study.rows()
     assert len(killed) == 3 and study.counts() == {"complete": 40}
     assert len({row["key"] for row in rows}) == 40
-    assert len(list((tmp_path / "out/results").iterdir())) == 40
+    assert len(list((tmp_path / "out/results").glob("*.json"))) == 40  # what was killed may leave a part
     # At most two runs were killed and two on the node; workers are idle next to never.
     begun = [row["cost.attempts"] for row in rows]
     assert 40 < sum(begun) <= 44 and max(begun) <= 4
