@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace stark {
 
@@ -20,6 +21,8 @@ constexpr std::array<double, 4> kWeights{0.3478548451374538, 0.6521451548625461,
 constexpr double kCut = 0.47;
 constexpr int kCuts = 28;
 constexpr size_t kTried = 3;  ///< elements whose ways are cut
+/// Of an energy and of what its derivatives make of places, what rounding may change.
+constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
 
 /// What is out of balance: blocks, and the largest force [N].
 struct Unbalanced {
@@ -59,7 +62,7 @@ int32_t block_of_element(const FailedStep& step, const Unbalanced& loads, const 
   return kNoBlock;
 }
 
-/// What is left of a change of an element beyond the integral of its derivatives.
+/// What is left of a change of an element beyond the integral of its derivatives, and beyond rounding.
 struct Jump {
   double energy = 0.0;  ///< [J]
   double force = 0.0;   ///< [N] the largest on a point
@@ -73,11 +76,13 @@ class Ways {
 
   std::vector<Jump> jumps(std::span<const int64_t> elements, double begin, double end) {
     const int n = 3 * batch_.point_count();
-    std::vector<std::vector<double>> rest(elements.size(), std::vector<double>(1 + n));
+    std::vector<std::vector<double>> rest(elements.size(), std::vector<double>(1 + n)), rounding = rest;
     const auto add = [&](double t, double of_values, double of_slopes) {
       const std::vector<double> values = outputs(t);
-      for (size_t k = 0; k < elements.size(); ++k)
+      for (size_t k = 0; k < elements.size(); ++k) {
         add_element(elements[k], values, of_values, of_slopes, rest[k]);
+        if (of_values != 0.0) add_rounding(elements[k], values, rounding[k]);
+      }
     };
     add(end, 1.0, 0.0);
     add(begin, -1.0, 0.0);
@@ -85,8 +90,10 @@ class Ways {
     for (size_t k = 0; k < kPlaces.size(); ++k)
       add(begin + half * (1.0 + kPlaces[k]), 0.0, -half * kWeights[k]);
     std::vector<Jump> found;
-    for (const std::vector<double>& r : rest) {
-      Jump jump{.energy = std::fabs(r[0])};
+    for (size_t k = 0; k < elements.size(); ++k) {
+      std::vector<double>& r = rest[k];
+      for (int i = 0; i <= n; ++i) r[i] = std::fmax(std::fabs(r[i]) - rounding[k][i], 0.0);
+      Jump jump{.energy = r[0]};
       for (int p = 1; p < n; p += 3) jump.force = std::fmax(jump.force, norm({r[p], r[p + 1], r[p + 2]}));
       found.push_back(jump);
     }
@@ -131,6 +138,23 @@ class Ways {
       for (int j = i; j < n; ++j, ++k) {
         sum[1 + i] += of_slopes * out[k] * d_[sites[j / 3]][j % 3];
         if (j > i) sum[1 + j] += of_slopes * out[k] * d_[sites[i / 3]][i % 3];
+      }
+    }
+  }
+
+  /// Adds what rounding of energy, gradient and places may change energy and gradient by.
+  void add_rounding(int64_t element, std::span<const double> values, std::vector<double>& sum) const {
+    const int n = 3 * batch_.point_count();
+    const size_t width = values.size() / static_cast<size_t>(batch_.size());
+    const double* out = values.data() + static_cast<size_t>(element) * width;
+    const std::span<const int32_t> sites = batch_.stencil(element);
+    const auto place = [&](int i) { return std::fabs(y_[sites[i / 3]][i % 3]); };
+    for (int i = 0; i <= n; ++i) sum[i] += kRounding * std::fabs(out[i]);
+    for (int i = 0, k = 1 + n; i < n; ++i) {
+      sum[0] += kRounding * std::fabs(out[1 + i]) * place(i);
+      for (int j = i; j < n; ++j, ++k) {
+        sum[1 + i] += kRounding * std::fabs(out[k]) * place(j);
+        if (j > i) sum[1 + j] += kRounding * std::fabs(out[k]) * place(i);
       }
     }
   }
