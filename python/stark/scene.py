@@ -21,6 +21,7 @@ from stark.bodies.layers import Layer
 from stark.bodies.locking import thin_warnings
 from stark.bodies.restitution import RestitutionTable
 from stark.bodies.scene_bodies import SceneBodies
+from stark.bodies.unfolding import unfolding_warnings
 from stark.joints.scene_joints import SceneJoints
 from stark.loads.scene_loads import SceneLoads
 from stark.named import NamedTuple
@@ -198,6 +199,7 @@ class Scene(
             *self._unit_warnings(settings),
             *self._unused_warnings(),
             *thin_warnings(self._bodies, self._energies, self._attachments),
+            *unfolding_warnings(self._bodies),
             *self._twin_warnings(),
         ]
 

@@ -89,7 +89,7 @@ class SceneBodies(SceneLink):
         }
         _check_pins(pins, len(shape.vertices), _title("cloth", name))
         cloth = Cloth(self, self._core.add_cloth(given, material._core), shape, color)
-        cloth._shared["material"] = material
+        cloth._shared |= {"material": material, "rest_angles": given["rest_angles"]}
         if initial_positions is not None:
             cloth._rest_placement = given["position"], given["rotation"]
         self._append(cloth)
