@@ -220,11 +220,18 @@ void Simulation::check_initial_state() const {
   const std::vector<Contact> contacts = contact_->find_contacts_at(x);
   const auto nearest = std::ranges::min_element(
       contacts, {}, [](const Contact& c) { return c.distance / c.contact_distance; });
-  if (nearest != contacts.end() && is_touching(*nearest, x))
-    throw InitialIntersection(name(nearest->group_a) + " and " + name(nearest->group_b) +
-                              " touch at time 0 near " + point_text(place_on_a(*nearest, x)) +
-                              ", their distance is " + rough_text(nearest->distance, "m") +
-                              "; move them apart, or disable contact between them");
+  if (nearest == contacts.end() || !is_touching(*nearest, x)) return;
+  const int32_t a = nearest->group_a, b = nearest->group_b;
+  const bool is_rod = scene_.kind(BodyId{a}) == BodyKind::Rod;
+  throw InitialIntersection(
+      name(a) + (a == b ? " touches itself" : " and " + name(b) + " touch") + " at time 0 near " +
+      point_text(place_on_a(*nearest, x)) + (a == b ? ", the distance is " : ", their distance is ") +
+      rough_text(nearest->distance, "m") + "; " +
+      (a != b ? "move them apart, or disable contact between them"
+       : is_rod
+           ? "pull its parts apart there, of a ring leave out the last segment and weld the ends, or add "
+             "it with self_contact = false"
+           : "pull its layers apart there, or add it with self_contact = false"));
 }
 
 const ModelBody& Simulation::rigid(BodyId body, const char* what) const {

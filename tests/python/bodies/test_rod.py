@@ -359,3 +359,14 @@ def test_points_of_nodes() -> None:
         stark.InvalidArgument, match=r"shape \(3, 3\) for 2 nodes: must be \(3,\) or \(2, 3\)"
     ):
         rod.points([0, 1], np.zeros((3, 3)))
+
+
+def test_a_ring_that_meets_its_own_end_is_told_how_to_close() -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 41)
+    scene = stark.Scene()
+    scene.add_rod(0.1 * np.column_stack((np.cos(turn), np.sin(turn), 0 * turn)), name="ring")
+    with pytest.raises(stark.InitialIntersection) as refused:
+        stark.Simulation(scene)
+    assert "'ring' touches itself at time 0 near (0.1, " in str(refused.value)
+    assert "of a ring leave out the last segment and weld the ends" in str(refused.value)
+    assert "self_contact = false" in str(refused.value)
