@@ -208,6 +208,14 @@ def test_followers_that_cannot() -> None:
             lambda: pinned.follow(lambda t: np.zeros((2, 3)), displacement=lambda t: (0, 0, t)),
             "targets and displacement or rotation are given",
         ),
+        (
+            lambda: box.follow(displacement=lambda t: (t, 0, 0)),  # type: ignore[arg-type]
+            "'finger': follow: displacement is of pins, .* must be position= of a rigid body in the world",
+        ),
+        (
+            lambda: pinned.follow(position=lambda t: (t, 0, 0)),  # type: ignore[arg-type]
+            "'flag': follow: position is of rigid bodies: must be targets, .* or displacement=",
+        ),
     ]:
         with pytest.raises(stark.InvalidArgument, match=message):
             call()

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array
 from stark.bodies.body import Body
-from stark.bodies.following import follow_pins
+from stark.bodies.following import follow_pins, refuse_other_motion
 from stark.bodies.rest_state import RestState
 from stark.mesh import Indices
 from stark.readings import reading
@@ -141,6 +141,7 @@ class DeformableBody(Body, RestState):
         rotation: Any = None,
         center: ArrayLike | None = None,
         vertices: ArrayLike | None = None,
+        position: None = None,
     ) -> None:
         """Moves pinned vertices on motions (stark.motion, or functions of the time [s]) from the next step
         on.
@@ -151,5 +152,7 @@ class DeformableBody(Body, RestState):
         changes since time 0, so no turn is the identity; those of scripted bodies are in the world.
         ``vertices``: only these of the pinned ones; others may follow another motion. Without arguments
         nothing is followed any more. Values are those of the end of each step, whatever its length; a step
-        that the solver halves goes halfway on the straight line."""
+        that the solver halves goes halfway on the straight line. ``position``, of rigid bodies, is
+        refused."""
+        refuse_other_motion(self.name, "position", position)
         follow_pins(self, targets, displacement, rotation, center, vertices)

@@ -170,6 +170,20 @@ def _distance_text(body: BodyHandle | PinnedBody, distance: float) -> str:
     )
 
 
+_OTHER_MOTION = {
+    "displacement": "of pins, a change since time 0: must be position= of a rigid body in the world; "
+    "follow(position=lambda t: start + displacement(t)) goes on from where it starts",
+    "position": "of rigid bodies: must be targets, a position of each pin, or displacement=, a change since "
+    "time 0",
+}
+
+
+def refuse_other_motion(owner: str, name: str, value: Any) -> None:
+    """InvalidArgument where pins get what rigid bodies follow, or the other way round."""
+    if value is not None:
+        raise InvalidArgument(f"'{owner}': follow: {name} is {_OTHER_MOTION[name]}")
+
+
 def follow_pose(body: BodyHandle, position: Any, rotation: Any) -> None:
     """``RigidBody.follow``."""
     if body.motion != "scripted":

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.bodies.body import Body
-from stark.bodies.following import follow_pose
+from stark.bodies.following import follow_pose, refuse_other_motion
 from stark.bodies.moving_surface import MovingSurface
 from stark.bodies.sensors import InertialSensors
 from stark.handle import SimulationLink
@@ -81,13 +81,15 @@ class RigidBody(InertialSensors, Body, MovingSurface):
         position = vector(value[0], f"'{self.name}': position")
         self._set_pose("pose", position, as_matrix(value[1], f"'{self.name}': rotation"))
 
-    def follow(self, position: Any = None, rotation: Any = None) -> None:
+    def follow(self, position: Any = None, rotation: Any = None, *, displacement: None = None) -> None:
         """Moves a scripted body on motions (stark.motion, or functions of the time [s]) from the next step:
         ``position`` (3,) [m], ``rotation`` (matrix or quaternion), both of the body in the world, not changes
         since time 0 as those of pins: ``lambda t: turn(t) @ start`` turns a body on from the rotation
-        ``start`` that it was added with. What is left out stays as at time 0.
+        ``start`` that it was added with. What is left out stays as at time 0. ``displacement``, of pins, is
+        refused.
         Without arguments nothing is followed any more. Values are those of the end of each step, whatever its
         length; a step that the solver halves goes halfway on the straight line."""
+        refuse_other_motion(self.name, "displacement", displacement)
         follow_pose(self, position, rotation)
 
     @property
