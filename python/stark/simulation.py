@@ -292,6 +292,8 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
     ) -> StepReport | None:
         """As ``run``, without a loop: returns the last report, None if there was nothing to do. ``stop()`` is
         asked after each step and ends the run when true."""
+        if stop is not None and not callable(stop):
+            raise InvalidArgument(f"run_until: stop = {stop!r}: must be a function without arguments")
         report = None
         for report in self.run(until, progress=progress):
             if stop is not None and not report.failed and stop():

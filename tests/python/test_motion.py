@@ -216,6 +216,21 @@ def test_followers_that_cannot() -> None:
             lambda: pinned.follow(position=lambda t: (t, 0, 0)),  # type: ignore[arg-type]
             "'flag': follow: position is of rigid bodies: must be targets, .* or displacement=",
         ),
+        (
+            lambda: box.follow(position=lambda: (0, 0, 0)),
+            "'finger': follow: must be a motion, or .*at 0 s it",
+        ),
+        (
+            lambda: pinned.follow(rotation=lambda: 0),
+            "'flag': follow: must be a motion, or .*at 0 s it raises",
+        ),
+        *(
+            (
+                lambda vertices=vertices: pinned.follow(displacement=lambda t: (0, 0, t), vertices=vertices),
+                r"'flag': follow: vertices = .*: must be indices of pinned vertices, or a mask of",
+            )
+            for vertices in ([True, False], [[0]], {"a": 1}, "a")
+        ),
     ]:
         with pytest.raises(stark.InvalidArgument, match=message):
             call()
@@ -223,6 +238,21 @@ def test_followers_that_cannot() -> None:
     sim = stark.Simulation(scene, time_step=0.02)
     with pytest.raises(stark.InvalidArgument, match=r"'finger': position at 0\.02 s.*must be finite"):
         sim.step()
+
+
+def test_pins_that_follow_may_be_a_mask() -> None:
+    """True and False were taken for the vertices 1 and 0."""
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=2), pins=[0, 1, 2])
+    start = sheet.mesh.vertices[:3]
+    mask = np.zeros(9, bool)
+    mask[2] = True
+    sheet.follow(displacement=lambda t: (0.0, 0.0, t), vertices=mask)
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.run_until(0.02)
+    np.testing.assert_allclose(sheet.positions[:3] - start, [[0, 0, 0], [0, 0, 0], [0, 0, 0.02]], atol=1e-12)
+    with pytest.raises(stark.InvalidArgument, match="vertex 8 is not pinned"):
+        sheet.follow(displacement=lambda t: (0, 0, t), vertices=np.arange(9) == 8)
 
 
 def test_a_motion_that_starts_elsewhere_warns_before_the_first_step() -> None:

@@ -63,3 +63,22 @@ def test_friction_is_no_flag(sim: stark.Simulation, value: Any) -> None:
     with pytest.raises(stark.InvalidArgument, match=r"(?s)friction of \('sheet', 'tool'\) = .*a number >= 0"):
         sim.scene.friction["sheet", "tool"] = value
     assert sim.scene.friction["sheet", "tool"] == before
+
+
+def test_huge_coordinates_are_refused() -> None:
+    """1e300 made positions NaN."""
+    scene = stark.Scene()
+    slide = scene.add_slider(None, scene.add_box(0.1, mass=1.0), anchor=(0, 0, 0), axis="x")
+    sim = stark.Simulation(scene)
+    sim.step()
+    before = sim.state
+    for value in (1e150, -1e300, np.inf, np.nan):
+        with pytest.raises(stark.InvalidArgument, match="joint 'slider'"):
+            slide.displacement = value
+    assert sim.state == before
+
+
+def test_what_ends_a_run_is_a_function(sim: stark.Simulation) -> None:
+    with pytest.raises(stark.InvalidArgument, match=r"run_until: stop = 0\.1: must be a function"):
+        sim.run_until(0.02, 0.1)  # type: ignore[arg-type]
+    assert sim.time == 0.0

@@ -150,9 +150,9 @@ class DeformableBody(Body, RestState):
         turned by ``rotation`` about ``center`` [m] (the mean of the pins at time 0 if left out) and moved by
         ``displacement`` [m] from where they are at time 0; clamped nodes of rods turn with them. Both are
         changes since time 0, so no turn is the identity; those of scripted bodies are in the world.
-        ``vertices``: only these of the pinned ones; others may follow another motion. Without arguments
-        nothing is followed any more. Values are those of the end of each step, whatever its length; a step
-        that the solver halves goes halfway on the straight line. ``position``, of rigid bodies, is
-        refused."""
+        ``vertices``: only these of the pinned ones, by index or by a mask; others may follow another motion.
+        Without arguments nothing is followed any more. Values are those of the end of each step, whatever
+        its length; a step that the solver halves goes halfway on the straight line. ``position``, of rigid
+        bodies, is refused."""
         refuse_other_motion(self.name, "position", position)
         follow_pins(self, targets, displacement, rotation, center, vertices)

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import as_array
+from stark.arguments import as_array, shown_value
 from stark.handle import BodyHandle, SceneLink, SimulationLink
 from stark.mesh import Indices
 from stark.motion import Motion, as_motion
 from stark.rotations import as_matrix, check_places, vector
 
 Floats = NDArray[np.float64]
+_Places = TypeVar("_Places")
 
 #: A motion starts elsewhere than its body if it is farther from it than this part of its size, or turned by
 #: more than this [rad].
@@ -196,8 +197,18 @@ def follow_pose(body: BodyHandle, position: Any, rotation: Any) -> None:
         None if position is None else as_motion(position, f"'{body.name}': position"),
         None if rotation is None else as_motion(rotation, f"'{body.name}': rotation"),
     )
-    follower.first = follower.pose(0.0)  # says at once what is wrong with the values
+    follower.first = _at_start(follower.pose, body.name)  # says at once what is wrong with the values
     body._scene._followers[body._index] = [] if position is None and rotation is None else [follower]
+
+
+def _at_start(places: Callable[[float], _Places], owner: str) -> _Places:
+    """Where a motion is at time 0; InvalidArgument for functions of something else than the time."""
+    try:
+        return places(0.0)
+    except TypeError as error:
+        raise InvalidArgument(
+            f"'{owner}': follow: must be a motion, or a function of the time [s]: at 0 s it raises {error}"
+        ) from error
 
 
 def follow_pins(
@@ -230,7 +241,7 @@ def follow_pins(
         if center is None
         else vector(center, f"{owner}: center"),
     )
-    follower.first = follower.positions(0.0)
+    follower.first = _at_start(follower.positions, body.name)
     others = followers.get(body._index, [])
     kept = [f for f in others if isinstance(f, PinFollower) and not np.isin(f.rows, rows).any()]
     if len(kept) < len(others) and vertices is not None and not _covers(others, rows):
@@ -260,6 +271,14 @@ def _pin_rows(body: PinnedBody, vertices: ArrayLike | None) -> NDArray[np.intp]:
     if vertices is None:
         return np.arange(len(pins))
     chosen = np.atleast_1d(as_array(vertices, f"'{body.name}': follow: vertices"))
+    count = len(body._scene._core.initial_positions(body._index))
+    if chosen.dtype.kind not in "biuf" or chosen.ndim != 1 or (chosen.dtype == bool and len(chosen) != count):
+        raise InvalidArgument(
+            f"'{body.name}': follow: vertices = {shown_value(vertices)}: must be indices of pinned vertices, "
+            f"or a mask of shape ({count},)"
+        )
+    if chosen.dtype == bool:
+        chosen = np.flatnonzero(chosen)
     place = {int(v): k for k, v in enumerate(pins)}
     for v in chosen.tolist():
         if v not in place:

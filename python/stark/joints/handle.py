@@ -15,7 +15,7 @@ from stark.handle import Handle, SceneLink, SimulationLink
 from stark.joints.other_names import ELSEWHERE
 from stark.joints.stops import checked_stops
 from stark.readings import named_readings, reading
-from stark.rotations import warn_of_degrees
+from stark.rotations import LARGEST, warn_of_degrees
 
 if TYPE_CHECKING:
     # Formulas are imported when they are needed: half of the time that `import stark` would take.
@@ -321,6 +321,8 @@ class Joint(JointActuators):
                     f"{self._title}: {what}: has no coordinate {name!r}: must be one of {names}"
                 )
             present[name] = real_number(value, f"joint '{self.name}': {what}: {name}")
+            if LARGEST <= abs(present[name]) < np.inf:  # the core says what is not finite
+                raise InvalidArgument(f"{self._title}: {what}: {name} = {value}: must not be beyond 1e150")
             if what == "coordinates" and self._is_angle(name):
                 warn_of_degrees(f"{self._title}: {name}", value, caller=5)
         return np.array(list(present.values()), dtype=np.float64)

@@ -31,7 +31,7 @@ def checked_stops(
         raise InvalidArgument(f"add_limit: lower = {lower}, upper = {upper}: lower must be below upper")
     if is_angle and all(abs(value) > 8.0 * math.pi for value in first.values()):
         warnings.warn(
-            f"{title}: add_limit: lower = {lower} rad, upper = {upper} rad: angles are in "
+            f"{title}: add_limit: {', '.join(f'{k} = {v} rad' for k, v in given.items())}: angles are in "
             f"radians; write 90 * stark.deg if degrees are meant",
             StarkWarning,
             stacklevel=3,

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import fnmatch
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import ClassVar, NamedTuple, TypeAlias
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import added_later, needs_simulation
+from stark.arguments import added_later, given_flag, needs_simulation
 from stark.bodies import Cloth, RigidBody, Rod, Solid
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Joint
@@ -20,6 +19,7 @@ from stark.named import NamedDict
 from stark.readings import reading
 from stark.robots import kinematics
 from stark.robots.base import base_velocity, place_base, placing, push_base
+from stark.robots.choosing import Choice, chosen_rows
 from stark.robots.closing import place_closed
 from stark.robots.description import RobotDescription
 from stark.robots.drives import Drives, add_drives
@@ -34,9 +34,6 @@ from stark.robots.weight import CarriedWeight
 from stark.rotations import as_matrix, vector
 
 Floats = NDArray[np.float64]
-Choice: TypeAlias = str | Sequence[str] | None
-"""Some joints: names, patterns such as "finger_*", names of groups; None for all that have a coordinate of
-their own."""
 
 
 class Axis(NamedTuple):
@@ -296,8 +293,9 @@ class Robot(RobotDynamics):
         feedforward. ``joints``: names or patterns ("finger_*"); all if left out. Raises InvalidArgument for
         unknown joints and those of which neither the file nor the call says one of these."""
         values = {"stiffness": stiffness, "damping": damping, "cap": cap}
+        carries = given_flag(gravity_compensation, f"{self._title}: gravity_compensation")
         drives = add_drives(self, "servos", self._rows(joints), values, target)
-        if gravity_compensation:
+        if carries:
             drives.gravity_compensation = True
         return drives
 
@@ -381,7 +379,7 @@ class Robot(RobotDynamics):
             count_of(attempts, f"{owner}: attempts"),
             count_of(iterations, f"{owner}: iterations"),
         )
-        place = vector(point, f"{owner}: point")
+        place, takes_nearest = vector(point, f"{owner}: point"), given_flag(nearest, f"{owner}: nearest")
         wanted = None if prefer is None else self._given("prefer", prefer, self.q)
         first = self.q if wanted is None else wanted
         begin = self._given("start", first if start is None else start, self.q)
@@ -401,7 +399,7 @@ class Robot(RobotDynamics):
             if wanted is None:
                 return found
             return settled(search, found, wanted, frame_and_jacobian, (lower, upper), self.coordinates)
-        if not nearest:
+        if not takes_nearest:
             raise InvalidArgument(search.refusal(owner, found))
         return found
 
@@ -450,23 +448,10 @@ class Robot(RobotDynamics):
 
     def _rows(self, joints: Choice) -> list[int]:
         """Places in q of some joints."""
-        names = self.coordinates
-        if joints is None:
-            return list(range(len(names)))
-        rows: list[int] = []
-        given = [joints] if isinstance(joints, str) else joints
-        for pattern in [name for part in given for name in self._named.get(str(part), (part,))]:
-            found = [k for k, name in enumerate(names) if fnmatch.fnmatchcase(name, str(pattern))]
-            if not found:
-                raise InvalidArgument(
-                    f"robot '{self.name}': joints = '{pattern}': must be the name or pattern of a joint with "
-                    f"a coordinate of its own: {', '.join(names)}"
-                )
-            rows += [k for k in found if k not in rows]
-        return rows
+        return chosen_rows(self._title, joints, self.coordinates, self._named)
 
     def _require_link(self, link: str) -> None:
-        if link not in self._links:
+        if not isinstance(link, str) or link not in self._links:
             raise InvalidArgument(
                 f"robot '{self.name}': link '{link}': must be one of {', '.join(self._links)}"
             )

@@ -98,3 +98,20 @@ def test_wrong_names_say_what_there_is() -> None:
         robot.add_efforts("wheel_*")
     lower, upper = robot.limits
     assert lower.tolist() == [-2.9, -1.9, -2.5, -2.0, -6.2, 0.0] and upper[-1] == 0.045
+
+
+def test_links_are_names() -> None:
+    """Errors were on hashing."""
+    _, robot = arm()
+    for link in (["grip"], np.zeros(3), None):
+        with pytest.raises(stark.InvalidArgument, match=r"link '.*': must be one of base, turret"):
+            robot.jacobian(link)  # type: ignore[arg-type]
+
+
+def test_switches_are_true_or_false() -> None:
+    _, robot = arm()
+    with pytest.raises(stark.InvalidArgument, match="gravity_compensation = 'no': must be True or False"):
+        robot.add_servos("turn", stiffness=1.0, damping=1.0, gravity_compensation="no")  # type: ignore[arg-type]
+    assert not robot.drives
+    with pytest.raises(stark.InvalidArgument, match=r"'grip': nearest = .*: must be True or False"):
+        robot.inverse_kinematics("grip", (0.3, 0.0, 0.3), nearest=np.zeros(3))  # type: ignore[arg-type]
