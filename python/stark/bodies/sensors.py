@@ -98,9 +98,9 @@ class Contacts:
         return result
 
     def _index(self, body: BodyHandle | str) -> int:
-        name = body if isinstance(body, str) else body.name
-        if name not in self.names:
-            raise InvalidArgument(f"contacts: no body is named '{name}'; there are {', '.join(self.names)}")
+        name = getattr(body, "name", body)
+        if not isinstance(name, str) or name not in self.names:
+            raise InvalidArgument(f"contacts: no body is named {name!r}; there are {', '.join(self.names)}")
         return self.names.index(name)
 
     def _take(self, rows: NDArray[np.bool_]) -> Contacts:

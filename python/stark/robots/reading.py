@@ -32,7 +32,7 @@ def read(
     if root == "robot":
         from stark.robots.urdf import read_urdf
 
-        return read_urdf(file, {} if packages is None else {k: Path(v) for k, v in packages.items()})
+        return read_urdf(file, _folders(packages))
     if root == "mujoco":
         from stark.robots.mjcf import read_mjcf
 
@@ -58,6 +58,12 @@ def read_exclusions(path: str | os.PathLike[str], links: Iterable[str]) -> tuple
         if known.issuperset(pair):
             pairs.append(pair)
     return tuple(pairs)
+
+
+def _folders(packages: Mapping[str, str | os.PathLike[str]] | None) -> dict[str, Path]:
+    if packages is not None and not isinstance(packages, Mapping):
+        raise InvalidArgument(f"robot: packages = {packages!r}: must be folders by name, {{'name': folder}}")
+    return {name: given_path(path, f"robot: packages['{name}']") for name, path in (packages or {}).items()}
 
 
 def _root_of(file: Path) -> str:

@@ -91,7 +91,7 @@ class SceneRobots(SceneLink):
             given_choice(shapes, ("collision", "visual"), f"{owner}: shapes"),
             None if shown is None else given_choice(shown, ("collision", "visual"), f"{owner}: shown"),
             given_flag(merge_fixed, f"{owner}: merge_fixed"),
-            _inertias(description, owner, inertias or {}),
+            _inertias(description, owner, {} if inertias is None else inertias),
             {key: value for key, value in body.items() if value is not None},
         )
         with self._whole_or_not(), self._adding_a_whole():
@@ -151,6 +151,10 @@ def _inertias(
     from stark.robots.checks import refuse_impossible
     from stark.robots.description import Inertia
 
+    if not isinstance(given, Mapping):
+        raise InvalidArgument(
+            f"{owner}: inertias = {given!r}: must be (mass, centre of mass, 3x3 tensor) by link"
+        )
     found = {}
     for link, value in given.items():
         title = f"{owner}: inertias['{link}']"

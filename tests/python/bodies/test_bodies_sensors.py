@@ -55,6 +55,8 @@ def test_contacts_of_a_body_are_those_of_both_sides() -> None:
     assert len(pair().of("a", "c")) == 0
     with pytest.raises(stark.InvalidArgument, match="no body is named 'd'; there are a, b, c"):
         pair().of("d")
+    with pytest.raises(stark.InvalidArgument, match="no body is named 3; there are a, b, c"):
+        pair().of(3)  # type: ignore[arg-type]
 
 
 def test_points_are_surrounded_by_a_hull_and_not_by_a_line() -> None:

@@ -178,6 +178,10 @@ def test_exclusions_of_an_srdf_file(tmp_path: Path) -> None:
         ({"exclude": "no.srdf"}, "'no.srdf': No such file"),
         ({"exclude": [("link_0", "leg")]}, "exclude: link 'leg': must be one of link_0, link_1"),
         ({"inertias": {"leg": (1, (0, 0, 0), np.eye(3))}}, r"inertias\['leg'\]: must be one of link_0"),
+        (
+            {"inertias": [1.0, 2.0]},
+            r"inertias = \[1.0, 2.0\]: must be \(mass, centre of mass, 3x3 tensor\) by",
+        ),
         ({"inertias": {"link_1": 1.0}}, r"inertias\['link_1'\] = 1.0: must be \(mass, centre of mass"),
         ({"inertias": {"link_1": (1, (0, 0, 0), np.diag([1, 1, 3]))}}, "the triangle inequality"),
         ({"shapes": "all"}, "shapes = 'all': must be 'collision' or 'visual'"),

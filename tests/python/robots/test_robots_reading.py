@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from robots._robots import ARM
 
 import stark.robots
 
@@ -32,3 +33,13 @@ def test_files_that_are_not_there_are_named(tmp_path: Path) -> None:
             stark.robots.read(file)
     with pytest.raises(stark.InvalidArgument, match="robot: path = 3: must be a path"):
         stark.robots.read(3)  # type: ignore[arg-type]
+
+
+def test_folders_of_packages_are_paths_by_name() -> None:
+    pytest.importorskip("yourdfpy")
+    for packages, message in [
+        ("meshes", r"robot: packages = 'meshes': must be folders by name, \{'name': folder\}"),
+        ({"meshes": 3}, r"robot: packages\['meshes'\] = 3: must be a path"),
+    ]:
+        with pytest.raises(stark.InvalidArgument, match=message):
+            stark.robots.read(ARM, packages=packages)  # type: ignore[arg-type]
