@@ -387,6 +387,8 @@ def add_drives(
         else spread(value, len(rows), f"{owner}: {key}", names)
         for key, value in values.items()
     }
+    if "cap" in columns:
+        _warn_of_friction(robot, owner, dict(zip(names, columns["cap"].tolist(), strict=True)))
     axes = [robot._axes()[row] for row in rows]
     shifts = np.array([axis.shift if kind == "servos" else 0.0 for axis in axes])
     now = robot._start if robot._scene._latest_simulation() is None else robot.q
@@ -421,6 +423,23 @@ def _added(
         given: dict[str, Any] = {key: float(column[k]) for key, column in columns.items()}
         actuators.append(add[kind](joint, float(targets[k]), name=f"{robot.name}.{name}.{suffix}", **given))
     return actuators
+
+
+def _warn_of_friction(robot: DrivenRobot, owner: str, caps: Mapping[str, float]) -> None:
+    """Of drives that the dry friction of their joints holds fast, as the numbers of some files have it."""
+    joints = [robot.description.joints[name] for name in caps]
+    stuck = [
+        f"'{joint.name}' ({caps[joint.name]:g} of {joint.friction:g})"
+        for joint in joints
+        if 0.0 < caps[joint.name] <= joint.friction
+    ]
+    if stuck:
+        warnings.warn(
+            f"{owner}: the cap is not above the dry friction of the file [N m, N]: the drive alone does not "
+            f"move {', '.join(stuck)}; give a larger cap=, or correct the friction",
+            StarkWarning,
+            stacklevel=4,
+        )
 
 
 def _of_file(robot: DrivenRobot, names: list[str], owner: str, key: str) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -178,3 +180,20 @@ def test_servos_that_know_the_rate_of_their_target_do_not_lag() -> None:
     assert worst[True] < 0.004 and worst[False] > 0.05
     with pytest.raises(stark.InvalidArgument, match="target_rate: only servos have it"):
         arm()[1].add_efforts().target_rate = 1.0
+
+
+def test_caps_that_friction_holds_fast_warn() -> None:
+    """The file of a hand has 10 N m of dry friction in fingers that 0.7 N m drive."""
+    description = stark.robots.read(ARM)
+    description.joints["elbow"] = replace(description.joints["elbow"], friction=10.0)
+    robot = stark.Scene().add_robot(description)
+    with pytest.warns(
+        stark.StarkWarning, match=r"does not move 'elbow' \(0\.7 of 10\); give a larger"
+    ) as found:
+        robot.add_servos(["turn", "elbow"], **GAINS, cap=[5.0, 0.7])
+    assert found[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        other = stark.Scene().add_robot(description)
+        other.add_servos("elbow", **GAINS, cap=10.1)
+        other.add_motors("turn", cap=0.0)  # off on purpose
