@@ -59,3 +59,22 @@ def test_the_last_report_is_what_a_step_returns() -> None:
     sim = stark.Simulation(scene)
     with pytest.raises(AttributeError, match=r"no attribute 'report': write what sim.step\(\)"):
         sim.report  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("word", "hint"),
+    [
+        ("mas", "did you mean 'mass'"),
+        ("restitution", r"of pairs: scene\.restitution\[body, other\]"),  # it was taken for rotation
+        ("kinematic", "give motion='scripted'"),  # and this for inertia
+        ("static", "give motion='fixed'"),
+        ("material", "give mass= or density="),
+    ],
+)
+def test_words_of_other_simulators_for_rigid_bodies(word: str, hint: str) -> None:
+    scene = stark.Scene()
+    with pytest.raises(
+        TypeError, match=rf"add_box\(\) got an unexpected keyword argument '{word}'; .*{hint}"
+    ):
+        scene.add_box(0.1, **{word: 1.0})
+    assert not scene.bodies

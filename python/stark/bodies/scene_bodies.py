@@ -24,6 +24,16 @@ from stark.surfaces import Surface
 _ZERO = (0.0, 0.0, 0.0)
 
 
+#: What other simulators call arguments of rigid bodies, and where they are here.
+_OTHER_WORDS = {
+    "restitution": "; it is of pairs: scene.restitution[body, other] = 0.5",
+    "material": "; give mass= or density=, and friction= or surface=",
+    "pose": "; give position= and rotation=",
+    **dict.fromkeys(("static", "fixed"), "; give motion='fixed'"),
+    "kinematic": "; give motion='scripted'",
+}
+
+
 class SceneBodies(SceneLink):
     """What ``stark.Scene`` knows about adding bodies."""
 
@@ -373,8 +383,8 @@ class SceneBodies(SceneLink):
             options["name"] = self._core.free_name(kind)
         known = inspect.signature(self.add_rigid).parameters
         for name in sorted(options.keys() - known.keys()):
-            near = nearest(name, known)
-            hint = f"; did you mean '{near}'?" if near else ""
+            if not (hint := _OTHER_WORDS.get(name, "")) and (near := nearest(name, known)):
+                hint = f"; did you mean '{near}'?"
             raise TypeError(f"add_{kind}() got an unexpected keyword argument '{name}'{hint}")
         return self.add_rigid(mesh, **options)
 

@@ -246,6 +246,8 @@ class SceneJoints(SceneLink):
         with self._all_or_nothing():
             joint = self.add_joint("tilt", a, b, anchor=anchor, axis=axis, contact=contact, **options)
             if limit is not None:
+                if isinstance(limit, (int, float)) and limit < 0.0:
+                    raise InvalidArgument(f"add_tilt: limit = {limit} rad: must be >= 0, as a tilt is")
                 joint.add_limit(upper=limit)
         return joint
 
