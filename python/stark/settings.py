@@ -9,6 +9,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any, ClassVar
 
+import numpy as np
+
 from stark import _core
 from stark._core import InvalidSetting
 from stark._core import Settings as CoreSettings
@@ -245,6 +247,12 @@ def _assign(core: _core.Settings, name: str, value: Any) -> None:
     default = _defaults().get(_SHORT.get(name, name))
     if isinstance(value, str) and default is not None and not isinstance(default, str):
         _refuse_text(name, default, value)
+    if (
+        isinstance(default, tuple)
+        and isinstance(value, (list, tuple, np.ndarray))
+        and any(map(np.ndim, value))
+    ):
+        raise InvalidSetting(f"{name} = {value!r}: must be three numbers")
     if name in _SHORT:
         return core.assign(name, value)
     known = list(_names())

@@ -99,3 +99,10 @@ def test_a_text_that_was_read_is_set_as_text() -> None:
     for assignment in ("time_step = 0.01", "contact.self_contact=no", "newton.max_seconds=inf"):
         settings.set_text(assignment)
     assert settings.changed() == {"time.step": 0.01, "contact.self_contact": False}
+
+
+@pytest.mark.parametrize("value", [[[1, 2], [3]], [[0, 0, -1]], np.ones((1, 3)), (1, (2,), 3)])
+def test_vectors_are_not_nested(value: object) -> None:
+    """They were taken number by number."""
+    with pytest.raises(stark.InvalidSetting, match=r"gravity = .*: must be three numbers"):
+        stark.Settings(gravity=value)  # type: ignore[arg-type]

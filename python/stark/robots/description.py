@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import given_word, real_array, real_number
 from stark.robots.report import Report
+from stark.rotations import as_matrix, vector
 
 Floats = NDArray[np.float64]
 
@@ -30,6 +32,14 @@ def _unturned() -> Floats:
     return np.eye(3)
 
 
+def _take(part: object, owner: str, vectors: tuple[str, ...], rotations: tuple[str, ...] = ()) -> None:
+    """Makes arrays of the vectors and rotations of a frozen part; InvalidArgument for what is none."""
+    for name in vectors:
+        object.__setattr__(part, name, vector(getattr(part, name), f"{owner}: {name}"))
+    for name in rotations:
+        object.__setattr__(part, name, as_matrix(getattr(part, name), f"{owner}: {name}"))
+
+
 @dataclass(frozen=True, eq=False)
 class Geometry:
     """A shape of a link. ``size`` [m]: edges of a box, radius of a sphere, (radius, length) of a cylinder or
@@ -46,6 +56,16 @@ class Geometry:
     triangles: NDArray[np.int32] | None = None
     color: tuple[float, float, float] | None = None
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.kind, str) or self.kind not in SHAPES:
+            raise InvalidArgument(f"shape: kind = {self.kind!r}: must be one of {', '.join(SHAPES)}")
+        owner = f"shape {self.kind}"
+        numbers = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2}.get(self.kind, 0)
+        size = real_array(self.size, f"{owner}: size")
+        if numbers and size.shape != (numbers,):
+            raise InvalidArgument(f"{owner}: size = {self.size!r}: must have {numbers} numbers [m]")
+        _take(self, owner, ("position", "scale"), ("rotation",))
+
 
 @dataclass(frozen=True, eq=False)
 class Inertia:
@@ -55,6 +75,14 @@ class Inertia:
     mass: float
     center: Floats
     tensor: Floats
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mass", real_number(self.mass, "inertia: mass"))
+        _take(self, "inertia", ("center",))
+        tensor = real_array(self.tensor, "inertia: tensor")
+        if tensor.shape != (3, 3) or not np.isfinite(tensor).all():
+            raise InvalidArgument(f"inertia: tensor = {self.tensor!r}: must be a 3x3 matrix, finite")
+        object.__setattr__(self, "tensor", tensor)
 
     def moved(self, position: Floats, rotation: Floats) -> Inertia:
         """The same in a frame in which the link stands at ``position`` (3,) [m] with ``rotation``."""
@@ -83,6 +111,18 @@ class Link:
     visuals: tuple[Geometry, ...] = ()
     collisions: tuple[Geometry, ...] = ()
     between: str | None = None
+
+    def __post_init__(self) -> None:
+        owner = f"link {self.name!r}"
+        if self.inertia is not None and not isinstance(self.inertia, Inertia):
+            raise InvalidArgument(f"{owner}: inertia = {self.inertia!r}: must be a stark.robots.Inertia")
+        for name in ("visuals", "collisions"):
+            shapes = getattr(self, name)
+            if not isinstance(shapes, Iterable) or not all(isinstance(one, Geometry) for one in shapes):
+                raise InvalidArgument(
+                    f"{owner}: {name} = {shapes!r}: must be a tuple of stark.robots.Geometry"
+                )
+            object.__setattr__(self, name, tuple(shapes))
 
 
 @dataclass(frozen=True)
@@ -129,6 +169,20 @@ class RobotJoint:
     rest: float = 0.0  # of that spring
     mimic: Mimic | None = None
     servo: Gains | None = None
+
+    def __post_init__(self) -> None:
+        owner = f"joint {self.name!r}"
+        for name in ("kind", "parent", "child"):
+            given_word(getattr(self, name), f"{owner}: {name}")
+        _take(self, owner, ("position", "axis", "anchor"), ("rotation",))
+        for name in ("lower", "upper", "effort", "velocity"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, real_number(getattr(self, name), f"{owner}: {name}"))
+        for name, never in (("lower", np.inf), ("upper", -np.inf)):
+            if (value := getattr(self, name)) is not None and (value == never or np.isnan(value)):
+                raise InvalidArgument(f"{owner}: {name} = {value}: must be a number, or None for no limit")
+        for name in ("reference", "damping", "friction", "armature", "stiffness", "rest"):
+            object.__setattr__(self, name, real_number(getattr(self, name), f"{owner}: {name}"))
 
     @property
     def is_moving(self) -> bool:
@@ -225,7 +279,7 @@ class RobotDescription:
         flexes: Iterable[Flex] = (),
         closures: Iterable[Closure] = (),
     ) -> None:
-        self.name: str = name
+        self.name: str = given_word(name, "description: name")
         self.report: Report = Report(f"description '{name}'") if report is None else report
         self.base: str = base
         """What the file says of its base: "fixed" or "floating"."""
@@ -375,10 +429,21 @@ class RobotDescription:
         raise InvalidArgument(f"{self.source}: {part}: {text}")
 
 
+def _listed(what: str, rows: Iterable[_Part], source: str) -> list[_Part]:
+    kind = {"link": Link, "joint": RobotJoint, "closure": Closure, "flex": Flex}[what]
+    if not isinstance(rows, Iterable):
+        raise InvalidArgument(f"{source}: {what}s = {rows!r}: must be a list of stark.robots.{kind.__name__}")
+    found = list(rows)
+    for row in found:
+        if not isinstance(row, kind):
+            raise InvalidArgument(f"{source}: {what} {row!r}: must be a stark.robots.{kind.__name__}")
+    return found
+
+
 def _by_name(what: str, rows: Iterable[_Part], source: str) -> dict[str, _Part]:
     found: dict[str, _Part] = {}
-    for row in rows:
-        if not row.name:
+    for row in _listed(what, rows, source):
+        if not isinstance(row.name, str) or not row.name:
             raise InvalidArgument(f"{source}: a {what} has no name: must have one; name it")
         if row.name in found:
             raise InvalidArgument(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 import stark
-from stark.robots import Inertia, Link, Mimic, RobotDescription, RobotJoint
+from stark.robots import Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
 
 
 def described(*joints: RobotJoint, **options: object) -> RobotDescription:
@@ -78,3 +80,43 @@ def test_mimics_of_mimics_follow_the_first_one() -> None:
 def test_joints_are_in_the_order_of_the_file_or_from_the_root_outwards() -> None:
     assert described(hinge(0), hinge(1, "link_0")).coordinates == ("joint_0", "joint_1")
     assert described(hinge(0, "link_1"), hinge(1)).coordinates == ("joint_1", "joint_0")
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Geometry("box", (1, 1, 1), position=0.5), "shape box: position = 0.5: must be three"),
+        (lambda: Geometry("box", (1, 1, 1), rotation=-np.eye(3)), "shape box: rotation: .* determinant -1"),
+        (lambda: Geometry("box", (1, 1, 1), rotation=2 * np.eye(3)), "shape box: rotation: .* by 3"),
+        (lambda: Geometry("capsule", 0.1), "shape capsule: size = 0.1: must have 2 numbers"),
+        (lambda: Geometry("cone", (0.1, 0.2)), "shape: kind = 'cone': must be one of box, sphere"),
+        (lambda: Inertia("x", np.zeros(3), np.eye(3)), "inertia: mass = 'x': must be a number"),
+        (lambda: Inertia(1.0, 0.0, np.eye(3)), "inertia: center = 0.0: must be three numbers"),
+        (lambda: Inertia(1.0, np.zeros(3), np.eye(2)), "inertia: tensor = .*must be a 3x3 matrix"),
+        (lambda: Link("leg", inertia=1.0), "link 'leg': inertia = 1.0: must be a stark.robots.Inertia"),
+        (lambda: Link("leg", collisions=[1]), r"link 'leg': collisions = \[1\]: must be a tuple of"),
+        (lambda: hinge(0, lower="-1"), "joint 'joint_0': lower = '-1': must be a number"),
+        (lambda: hinge(0, lower=np.inf), "joint 'joint_0': lower = inf: must be .* or None for no limit"),
+        (lambda: hinge(0, upper=np.nan), "joint 'joint_0': upper = nan: must be .* or None for no limit"),
+        (lambda: hinge(0, rotation=np.zeros((3, 3))), "joint 'joint_0': rotation: .* determinant 0"),
+        (lambda: hinge(0, friction=None), "joint 'joint_0': friction = None: must be a number"),
+        (lambda: hinge(0, parent=["base"]), r"joint 'joint_0': parent = \['base'\]: must be a text"),
+        (lambda: RobotDescription("odd", [1], []), "description 'odd': link 1: must be a stark.robots.Link"),
+        (lambda: RobotDescription("odd", None, []), "links = None: must be a list of stark.robots.Link"),
+        (lambda: RobotDescription(3, [Link("leg")], []), "description: name = 3: must be a text"),
+    ],
+)
+def test_parts_of_another_type_are_refused(make: Callable[[], object], message: str) -> None:
+    """Most were bare errors where a scene was made of them. A number for a position was three, and a matrix
+    that is no rotation made a body larger, or a mirror image."""
+    with pytest.raises(stark.InvalidArgument, match=f"(?s){message}"):
+        make()
+
+
+def test_lists_and_quaternions_are_arrays() -> None:
+    body = Inertia(1, [0, 0, -0.1], [[1, 0, 0], [0, 1, 0], [0, 0, 1]])  # type: ignore[arg-type]
+    shape = Geometry("sphere", (0.1,), position=[0, 0, -0.1], rotation=[0, 1, 0, 0])  # type: ignore[arg-type]
+    robot = RobotDescription("ball", [Link("ball", body, collisions=[shape])], [])  # type: ignore[arg-type]
+    handle = stark.Scene().add_robot(robot, base="floating")
+    assert handle.bodies[0].center_of_mass.tolist() == [0, 0, -0.1]
+    np.testing.assert_array_equal(shape.rotation, np.diag([1, -1, -1]))
