@@ -10,7 +10,7 @@ last one after the last."""
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -138,7 +138,9 @@ def rotations(times: ArrayLike, values: Any, *, smooth: bool = True, rest: bool 
 
     ``smooth``: a spline of quaternions with continuous angular velocity and acceleration, ``rest`` as in
     ``spline``; otherwise constant angular velocity between knots."""
-    matrices = [as_matrix(value, f"rotations: value {k}") for k, value in enumerate(list(values))]
+    if not isinstance(values, Iterable):
+        raise InvalidArgument(f"rotations: values = {values!r}: must be matrices or quaternions")
+    matrices = [as_matrix(value, f"rotations: value {k}") for k, value in enumerate(values)]
     quaternions = [to_quaternion(matrix) for matrix in matrices]
     for k in range(1, len(quaternions)):  # q and -q are the same rotation: the nearer one to the last
         cosine = float(quaternions[k] @ quaternions[k - 1])

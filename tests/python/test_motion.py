@@ -180,6 +180,7 @@ def test_clamped_ends_of_rods_turn_along() -> None:
             lambda: motion.rotations([0, 1], [np.eye(3), stark.rotation(axis="x", angle=np.pi)]),
             "values 0 and 1 are half a turn apart",
         ),
+        (lambda: motion.rotations([0, 1], 3.0), "values = 3.0: must be matrices or quaternions"),
         (lambda: motion.function(3.0), "must be a function of the time"),  # type: ignore[arg-type]
     ],
 )

@@ -314,4 +314,6 @@ def _break_force(owner: str, force: float | None) -> float:
 
 
 def _is_number(value: Any) -> bool:
-    return np.ndim(value) == 0 and np.asarray(value).dtype.kind in "iuf"
+    return (
+        not isinstance(value, (list, tuple)) and np.ndim(value) == 0 and np.asarray(value).dtype.kind in "iuf"
+    )

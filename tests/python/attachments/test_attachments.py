@@ -175,6 +175,7 @@ def test_pairs_by_index_and_nearest_points() -> None:
         ({"pairs": [(0, 99)]}, "vertex 99 of 'box': must be in \\[0, 8\\)"),
         ({"pairs": [0, 1]}, "must be integers of shape \\(n, 2\\)"),
         ({"distance": 1.0, "break_force": 0.0}, "break_force = 0.0 N: must be a number > 0"),
+        ({"distance": 1.0, "break_force": [[1], [2, 3]]}, r"break_force = .* N: must be a number > 0"),
     ],
 )
 def test_refusals(options: dict[str, object], message: str) -> None:
