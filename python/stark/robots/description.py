@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import given_word, real_array, real_number
+from stark.arguments import given_choice, given_word, real_array, real_number
 from stark.robots.report import Report
 from stark.rotations import as_matrix, vector
 
@@ -133,6 +133,13 @@ class Mimic:
     ratio: float = 1.0
     offset: float = 0.0
 
+    def __post_init__(self) -> None:
+        for name in ("ratio", "offset"):
+            value = real_number(getattr(self, name), f"mimic of {self.joint!r}: {name}")
+            if not np.isfinite(value):
+                raise InvalidArgument(f"mimic of {self.joint!r}: {name} = {value}: must be finite")
+            object.__setattr__(self, name, value)
+
 
 @dataclass(frozen=True)
 class Gains:
@@ -141,6 +148,10 @@ class Gains:
 
     stiffness: float
     damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("stiffness", "damping"):
+            object.__setattr__(self, name, real_number(getattr(self, name), f"gains: {name}"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,6 +185,9 @@ class RobotJoint:
         owner = f"joint {self.name!r}"
         for name in ("kind", "parent", "child"):
             given_word(getattr(self, name), f"{owner}: {name}")
+        for name, kind in (("mimic", Mimic), ("servo", Gains)):
+            if (value := getattr(self, name)) is not None and not isinstance(value, kind):
+                raise InvalidArgument(f"{owner}: {name} = {value!r}: must be a stark.robots.{kind.__name__}")
         _take(self, owner, ("position", "axis", "anchor"), ("rotation",))
         for name in ("lower", "upper", "effort", "velocity"):
             if getattr(self, name) is not None:
@@ -281,7 +295,7 @@ class RobotDescription:
     ) -> None:
         self.name: str = given_word(name, "description: name")
         self.report: Report = Report(f"description '{name}'") if report is None else report
-        self.base: str = base
+        self.base: str = given_choice(base, ("fixed", "floating"), f"{self.report.source}: base")
         """What the file says of its base: "fixed" or "floating"."""
         self.placement: tuple[Floats, Floats] = (_origin(), _unturned()) if placement is None else placement
         """Where the file places the base: position (3,) [m] and rotation (3, 3)."""
