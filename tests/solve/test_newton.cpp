@@ -315,10 +315,26 @@ TEST_CASE("lagged quantities are refreshed on the way to the first solution, and
   CHECK(report.status == SolveStatus::Converged);
   CHECK(objective.refreshed_early > 3);
   CHECK(objective.refreshed_early < report.iterations);
+  CHECK(objective.refreshed_late == 0);
   CHECK(objective.refreshed == 1);
   Analytic near(rosenbrock, {1.0 + 5e-12, 1.0, 0.0});
   Solver(tight()).minimize(near);
-  CHECK(near.refreshed_early == 0);
+  CHECK(near.refreshed_early + near.refreshed_late == 0);
+}
+
+TEST_CASE("full steps that leave the residual as it is have all lagged quantities refreshed") {
+  const Analytic* of = nullptr;
+  const auto slipping = [&](const Vec3& p) {
+    return quadratic(p - Vec3{0.1, 0, 0} * (of->refreshed_late == 0 ? of->accepted : 3));
+  };
+  Analytic objective(slipping, {5, -7, 11});
+  of = &objective;
+  const SolveReport report = Solver(tight()).minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(objective.refreshed_late >= 1);
+  CHECK(objective.refreshed_late <= 2);
+  CHECK(report.iterations > 16);
+  CHECK(report.iterations < 24);
 }
 
 TEST_CASE("refreshes that move the minimum to and fro end soon") {

@@ -67,7 +67,7 @@ class Analytic final : public Objective {
     ++taken_back;
     return true;
   }
-  void refresh_early() override { ++refreshed_early; }
+  void refresh_early(Lagged lagged) override { ++(lagged == Lagged::All ? refreshed_late : refreshed_early); }
   double refresh_lagged(int round) override {
     ++refreshed;
     return round < lag_rounds ? lag_change : 0.0;
@@ -77,7 +77,8 @@ class Analytic final : public Objective {
   bool pending = false, feasible = true;
   double contact = 0.0;  ///< of trial energies
   double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0, rounding = 0.0, noise = 0.0;
-  int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, refreshed_early = 0, lag_rounds = 0;
+  int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, refreshed_early = 0, refreshed_late = 0,
+      lag_rounds = 0;
   int taken_back = 0;
   mutable std::vector<double> residuals;
 

@@ -219,9 +219,10 @@ std::vector<FrictionSet::Pair> FrictionSet::make_pairs(const std::vector<Contact
 }
 
 void FrictionSet::renew(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                        const FrictionTable& coefficient, std::span<const Vec3> x) {
+                        const FrictionTable& coefficient, std::span<const Vec3> x, Lagged lagged) {
   pairs_ = make_pairs(contacts, forces, coefficient, x);
-  std::erase_if(pairs_, [&](const Pair& pair) { return !touching_.contains(bodies_of(pair)); });
+  if (lagged == Lagged::FromStart)
+    std::erase_if(pairs_, [&](const Pair& pair) { return !touching_.contains(bodies_of(pair)); });
   next_start_.reset();
   sort_by_point_count();
 }

@@ -18,6 +18,7 @@
 #include <stark/contact/friction_stencil.h>
 #include <stark/contact/surface_directions.h>
 #include <stark/contact/surface_motion.h>
+#include <stark/mechanics/active_set.h>
 
 namespace stark {
 
@@ -75,11 +76,11 @@ class FrictionSet {
   /// closest points: near an impact, turning planes keep friction from settling.
   double reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                const FrictionTable& coefficient, std::span<const Vec3> x);
-  /// Takes all of it anew between two calls of reset(), however little it changes; of bodies that had
-  /// friction at the start of the step only. Where bodies hit each other, forces on the way to the solution
-  /// say nothing of those at the end.
+  /// Takes all of it anew between two calls of reset(), however little it changes, or that of bodies that had
+  /// friction at the start of the step. Where bodies hit each other, forces on the first part of the way to
+  /// the solution say nothing of those at the end.
   void renew(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-             const FrictionTable& coefficient, std::span<const Vec3> x);
+             const FrictionTable& coefficient, std::span<const Vec3> x, Lagged lagged);
 
   /// Keeps what was frozen before the last reset.
   void keep() { kept_ = previous_; }

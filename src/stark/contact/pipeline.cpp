@@ -341,11 +341,11 @@ double ContactPipeline::refresh_lagged(std::span<const Vec3> x) {
   return freeze_friction(x);
 }
 
-void ContactPipeline::refresh_early(std::span<const Vec3> x) {
+void ContactPipeline::refresh_early(std::span<const Vec3> x, Lagged lagged) {
   if (!settings_.friction) return;
   update(x);
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
-  friction_.renew(contacts(), pushing_forces(contacts(), forces(x)), friction_coefficient_, x);
+  friction_.renew(contacts(), pushing_forces(contacts(), forces(x)), friction_coefficient_, x, lagged);
   friction_.remember(x);
   keep_names();
 }

@@ -125,7 +125,7 @@ class ContactPipeline final : public ActiveSet {
   bool is_clear(std::span<const Vec3> x0, std::span<const Vec3> x1);
   EnergyDifference energy_difference(std::span<const Vec3> x) override;
   double refresh_lagged(std::span<const Vec3> x) override;
-  void refresh_early(std::span<const Vec3> x) override;
+  void refresh_early(std::span<const Vec3> x, Lagged lagged) override;
   void keep_lagged() override { friction_.keep(); }
   void restore_lagged() override {
     friction_.restore();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <stark/mechanics/assembler.h>
+#include <stark/solve/objective.h>
 
 namespace stark {
 
@@ -34,8 +35,10 @@ class ActiveSet {
 
   /// Refreshes lagged quantities at x; returns the change of force [N].
   virtual double refresh_lagged(std::span<const Vec3> x) = 0;
-  /// The same far from a solution: all of what is lagged is taken anew, however often.
-  virtual void refresh_early(std::span<const Vec3> x) { static_cast<void>(x); }
+  /// The same far from a solution: what is lagged is taken anew, however often.
+  virtual void refresh_early(std::span<const Vec3> x, Lagged lagged) {
+    static_cast<void>(x), static_cast<void>(lagged);
+  }
   /// The lagged quantities before the last refresh belong to a solution that may be gone back to.
   virtual void keep_lagged() = 0;
   /// Goes back to the lagged quantities that were kept last.

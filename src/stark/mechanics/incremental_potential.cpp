@@ -296,9 +296,9 @@ double IncrementalPotential::update_constraints() {
 
 SelfStress::End IncrementalPotential::end_constraints() const { return self_stress_->end(iterate_, x_); }
 
-void IncrementalPotential::refresh_early() {
+void IncrementalPotential::refresh_early(Lagged lagged) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
-  if (active_set_) active_set_->refresh_early(x_);
+  if (active_set_) active_set_->refresh_early(x_, lagged);
 }
 
 bool IncrementalPotential::restore_settled() {

@@ -69,7 +69,7 @@ class IncrementalPotential final : public Objective {
   void accept_trial() override;
   bool take_back() override;
   double refresh_lagged(int round) override;
-  void refresh_early() override;
+  void refresh_early(Lagged lagged) override;
   bool restore_settled() override;
   bool has_run_away() const override;
   std::span<const Vec3> block_positions() const override { return block_positions_; }

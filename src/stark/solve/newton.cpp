@@ -19,6 +19,8 @@ constexpr double kUnmoved = 1e-6;       ///< velocity that an obstacle may take 
 constexpr int kCutShortLimit = 12;      ///< iterations beyond the tolerances for directions cut short
 constexpr int kLagUpdateLimit = 100;    ///< updates of lagged quantities; joints need a few
 constexpr int kEarlyRefreshLimit = 12;  ///< updates of friction before the first solution
+constexpr int kFullStepsWithout = 16;   ///< half of the residual, from which friction of impacts counts
+constexpr double kFull = 0.9;           ///< length of steps that nothing has held back
 constexpr double kModelled =
     0.35;  ///< relative error of the decrease of a full step, below which the next is short
 constexpr double kFrozen = 10.0;  ///< tolerances below which friction stays as it is until all is converged
@@ -187,13 +189,33 @@ void NewtonSolver::look_back(Objective& objective) {
 // Lagged quantities of the start of the step are far off, and what is minimised with them is far from what
 // is minimised with those of the end; near a solution they stay as they are, so that there is one.
 void NewtonSolver::refresh_early(Objective& objective) {
-  if (report_.lag_updates > 0 || progress_.early_refreshes >= kEarlyRefreshLimit) return;
-  if (meets_tolerances(report_, kFrozen) || leads_nowhere()) {
+  if (report_.lag_updates > 0) return;
+  const bool is_near = meets_tolerances(report_, kFrozen);
+  if (makes_no_headway() && !is_near && progress_.late_refreshes < kEarlyRefreshLimit) {
+    ++progress_.late_refreshes;
+    objective.refresh_early(Lagged::All);
+    return;
+  }
+  if (progress_.early_refreshes >= kEarlyRefreshLimit) return;
+  if (is_near || leads_nowhere()) {
     progress_.early_refreshes = kEarlyRefreshLimit;
     return;
   }
   ++progress_.early_refreshes;
-  objective.refresh_early();
+  objective.refresh_early(Lagged::FromStart);
+}
+
+// Without the friction of impacts, sheets that a press sweeps together slide off sideways, held by hardly
+// more than their inertia: full steps that leave the forces as they are.
+bool NewtonSolver::makes_no_headway() {
+  const bool is_full = report_.last_step_length >= kFull;
+  if (report_.residual < 0.5 * progress_.halved_residual) {
+    progress_.halved_residual = report_.residual;
+    progress_.full_steps = 0;
+  } else if (is_full) {
+    ++progress_.full_steps;
+  }
+  return is_full && progress_.full_steps >= kFullStepsWithout;
 }
 
 // A full step that gains what its model promises ends near the minimum. If the next step is as long all the

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -51,14 +52,17 @@ class NewtonSolver {
  private:
   /// What a minimisation learns on its way.
   struct Progress {
-    SolveReport settled;            ///< when lagged quantities were refreshed last
-    int tiny_steps = 0;             ///< in a row
-    int round_off_steps = 0;        ///< since the last refresh
-    int cut_short = 0;              ///< directions since the tolerances were met first
-    int unsure_steps_left = 0;      ///< of take_unsure_step()
-    int projected_left = 0;         ///< iterations for which Hessians stay projected after a failure
-    int blocked_looks = 0;          ///< in a row at which the way was not clear
-    int early_refreshes = 0;        ///< of lagged quantities, before anything has converged
+    SolveReport settled;        ///< when lagged quantities were refreshed last
+    int tiny_steps = 0;         ///< in a row
+    int round_off_steps = 0;    ///< since the last refresh
+    int cut_short = 0;          ///< directions since the tolerances were met first
+    int unsure_steps_left = 0;  ///< of take_unsure_step()
+    int projected_left = 0;     ///< iterations for which Hessians stay projected after a failure
+    int blocked_looks = 0;      ///< in a row at which the way was not clear
+    int early_refreshes = 0;    ///< of lagged quantities, before anything has converged
+    int full_steps = 0;         ///< since the residual was halved last ...
+    double halved_residual = std::numeric_limits<double>::infinity();  ///< ... to this [N]
+    int late_refreshes = 0;         ///< the same of all of them, in minimisations that take long
     int static_patience = 0;        ///< iterations that met the tolerances, but moved by too much of the way
     double way = 0.0;               ///< sum of the motions of all steps [m]
     double static_rounding = 0.0;   ///< motion below which static minimisations are over [m]
@@ -127,6 +131,8 @@ class NewtonSolver {
   void trust_hessian(SolveStatus searched, bool pending);
   /// Brings lagged quantities up to date on the way to the first solution with them.
   void refresh_early(Objective& objective);
+  /// Whether full steps have not halved the residual for long.
+  bool makes_no_headway();
   /// Whether refreshes keep moving the minimum to and fro.
   bool leads_nowhere();
   std::optional<SolveStatus> refresh_lagged(Objective& objective, SolveStatus reached);

@@ -27,6 +27,10 @@ struct TrialEnergy {
   double contact = 0.0;  ///< what contact has of the difference [J]
 };
 
+/// Lagged quantities: of what had some at the start, or all. What comes into being on the way, such as
+/// friction of an impact, says little of the solution at first.
+enum class Lagged : uint8_t { FromStart, All };
+
 class Objective {
  public:
   virtual ~Objective() = default;
@@ -78,7 +82,7 @@ class Objective {
   virtual double refresh_lagged(int round) { return static_cast<void>(round), 0.0; }
   /// Called between iterations far from a solution: brings those lagged quantities up to date (friction) that
   /// have a new energy then, which the next iterations minimise.
-  virtual void refresh_early() {}
+  virtual void refresh_early(Lagged lagged) { static_cast<void>(lagged); }
   /// Goes back to the last converged iterate at which all that was left to do was to refresh lagged
   /// quantities once more. Returns false when there is none.
   virtual bool restore_settled() { return false; }
