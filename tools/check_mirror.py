@@ -5,7 +5,7 @@ name no other one has may be tested by tests/python/test_b.py.
 Sources that share a test with others are listed in tools/tested_elsewhere.txt; a new source without a test of
 its name is an error, and so is an entry of the list that is not needed any more. A folder in the list, with a
 slash at its end, stands for sources that are rows of a table each, all of which a test walks. Modules that
-define public names of the Python package must not be listed."""
+define public names of the Python package must not be listed. Names of Python tests are unique."""
 
 from __future__ import annotations
 
@@ -36,7 +36,19 @@ def check(root: Path) -> list[str]:
         if not _is_listed(source, listed) or source in public
     ]
     needed = {*found, *(f"{Path(source).parent}/" for source in found)}
-    return errors + [f"{LIST}: {entry} need not be listed" for entry in listed if entry not in needed]
+    errors += [f"{LIST}: {entry} need not be listed" for entry in listed if entry not in needed]
+    return errors + _namesakes(root)
+
+
+def _namesakes(root: Path) -> list[str]:
+    """Test modules of one name in two folders: pytest imports the first one for both."""
+    tests = source_files(root, (".py",), "tests")
+    same_name = Counter(path.name for path in tests)
+    return [
+        f"{path.relative_to(root)}: another test has its name; write test_{path.parent.name}_..."
+        for path in tests
+        if path.name.startswith("test_") and same_name[path.name] > 1
+    ]
 
 
 def _is_listed(source: str, listed: list[str]) -> bool:

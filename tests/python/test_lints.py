@@ -196,3 +196,14 @@ def test_scripts_exit_with_an_error(tree: Path) -> None:
         )
         assert done.returncode == 1, done.stdout
         assert "bad.cpp" in done.stdout
+
+
+def test_mirror_reports_two_tests_of_one_name(tree: Path) -> None:
+    for folder in ("robots", "render"):
+        (tree / "tests/python" / folder).mkdir(parents=True)
+        (tree / "tests/python" / folder / "test_choosing.py").write_text("")
+        (tree / "tests/python" / folder / "conftest.py").write_text("")
+    errors = [error for error in check_mirror.check(tree) if "another test" in error]
+    assert len(errors) == 2
+    assert "tests/python/robots/test_choosing.py" in errors[1] + errors[0]
+    assert "write test_robots_..." in errors[0] + errors[1]
