@@ -1,5 +1,6 @@
 // The thread pool: every task exactly once, the same split for any number of threads, exceptions reach the
 // caller.
+#include <stark/base/for_each_range.h>
 #include <stark/base/thread_pool.h>
 
 #include <atomic>
@@ -171,4 +172,18 @@ TEST_CASE("no more threads are used than processors may be") {
   CHECK(stark::usable_threads(0) == 1);
   CHECK(stark::usable_threads(64) == 1);
   sched_setaffinity(0, sizeof(all), &all);
+}
+
+TEST_CASE("ranges without a pool are one range") {
+  ThreadPool pool(3);
+  for (ThreadPool* const with : {static_cast<ThreadPool*>(nullptr), &pool}) {
+    std::vector<int64_t> seen(10, 0);
+    std::atomic<int> ranges{0};
+    for_each_range(with, std::ssize(seen), 4, [&](int64_t begin, int64_t end) {
+      ++ranges;
+      for (int64_t i = begin; i < end; ++i) seen[i] = i + 1;
+    });
+    CHECK(ranges.load() == (with == nullptr ? 1 : 3));
+    for (int64_t i = 0; i < std::ssize(seen); ++i) CHECK(seen[i] == i + 1);
+  }
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include <stark/base/for_each_range.h>
+
 namespace stark {
 
 namespace {
@@ -93,7 +95,7 @@ int64_t SiteMargins::mark(std::span<uint8_t> out, IsSite&& is_site, IsPiece&& is
   }
   // Each piece has sites of its own, far from each other in memory.
   std::vector<int64_t> added_of(pieces_.size(), 0);
-  const auto mark_pieces = [&](int64_t begin, int64_t end) {
+  for_each_range(pool_, std::ssize(pieces_), kPiecesPerTask, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
       const Piece& piece = pieces_[k];
       if (out[piece.runs[0].begin] != 0 || !is_piece(piece)) continue;
@@ -102,11 +104,7 @@ int64_t SiteMargins::mark(std::span<uint8_t> out, IsSite&& is_site, IsPiece&& is
         added_of[k] += run.end - run.begin;
       }
     }
-  };
-  if (pool_ != nullptr)
-    pool_->for_each_range(std::ssize(pieces_), kPiecesPerTask, mark_pieces);
-  else
-    mark_pieces(0, std::ssize(pieces_));
+  });
   return std::reduce(added_of.begin(), added_of.end(), added);
 }
 

@@ -11,6 +11,7 @@
 #include <stark/base/aligned.h>
 #include <stark/base/cpu.h>
 #include <stark/base/error.h>
+#include <stark/base/for_each_range.h>
 #include <stark/linalg/elimination.h>
 #include <stark/linalg/front_assembly.h>
 #include <stark/linalg/front_kernels.h>
@@ -318,14 +319,11 @@ void Cholesky<Real>::Implementation::forward(int32_t s, Real* scratch, ThreadPoo
     }
   }
   front::solve_lower(f.pivot, f.padded_columns, x);
-  const auto multiply = [&](int64_t from, int64_t to) {
-    for (auto strip = static_cast<int>(from); strip < to; ++strip)
-      front::multiply_strip(f.border_strip(strip), x, f.padded_columns, rows + strip * kS);
-  };
-  if (shared != nullptr)
-    shared->for_each_range(f.border_strips, strips_per_task<Real>(f.padded_columns), multiply);
-  else
-    multiply(0, f.border_strips);
+  for_each_range(shared, f.border_strips, strips_per_task<Real>(f.padded_columns),
+                 [&](int64_t from, int64_t to) {
+                   for (auto strip = static_cast<int>(from); strip < to; ++strip)
+                     front::multiply_strip(f.border_strip(strip), x, f.padded_columns, rows + strip * kS);
+                 });
   std::copy(x, x + f.columns, own);
   std::copy(rows, rows + f.rows, w.data() + 3 * tree.row_start[s]);
 }

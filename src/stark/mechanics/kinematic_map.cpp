@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <stark/base/for_each_range.h>
 #include <stark/base/rotation.h>
 
 namespace stark {
@@ -78,10 +79,7 @@ void KinematicMap::positions(const Configuration& configuration, std::span<Vec3>
     }
   };
   if (sites_.empty()) return;
-  if (pool != nullptr)
-    pool->for_each_range(site_count(), kSitesPerTask, place_range);
-  else
-    place_range(0, site_count());
+  for_each_range(pool, site_count(), kSitesPerTask, place_range);
 }
 
 void KinematicMap::place(const Run& run, const Configuration& configuration, std::span<Vec3> out_x) const {
