@@ -23,6 +23,9 @@ Floats = NDArray[np.float64]
 _STIFF = 1e3
 #: Triangles whose normal has this cosine, or more, with that of rollers are held against bending alone.
 _FACING = 0.9
+
+# Part of an edge across the normal, from which it is an edge across it.
+_ACROSS = 0.9
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -139,10 +142,20 @@ def _flatness(points: Points, normal: Floats, sides: int) -> float:
         x = x[np.abs(facing @ normal) < _FACING * np.linalg.norm(facing, axis=1)]
     if not len(x):
         return 0.0
-    frame = np.linalg.svd(normal[None])[2]  # the normal, and two directions across it
-    extent = np.ptp(x @ frame.T, axis=1)
+    extent = np.ptp(x @ _axes_across(normal, x[0]).T, axis=1)
     across = np.hypot(extent[:, 1], extent[:, 2]) if sides == 1 else extent[:, 1] * extent[:, 2]
     return float(np.median(across / extent[:, 0]))
+
+
+def _axes_across(normal: Floats, cell: Floats) -> Floats:
+    """Rows: the normal, and two directions across it that turn with a cell: along its first edge across the
+    normal, or the one that is nearest to that."""
+    edges = cell[1:] - cell[0]
+    across = edges - np.outer(edges @ normal, normal)
+    share = np.linalg.norm(across, axis=1) / np.linalg.norm(edges, axis=1)
+    first = across[np.argmax(share > _ACROSS) if (share > _ACROSS).any() else np.argmax(share)]
+    first = first / np.linalg.norm(first)
+    return np.stack([normal, first, np.cross(normal, first)])
 
 
 def _modulus(material: Any) -> float | None:

@@ -1,6 +1,7 @@
 // See past_measures.h.
 #include <stark/mechanics/past_measures.h>
 
+#include <limits>
 #include <map>
 
 #include <stark/symbolic/diff.h>
@@ -15,8 +16,8 @@ using symbolic::Scalar;
 
 namespace {
 
-/// Correction over the difference of the measure on both sides, up to which it is one. Points that turn
-/// rigidly stay below a quarter, a jump in between makes a half.
+/// Correction over the difference of a measure that may jump on both sides, up to which it is one. An angle
+/// of points that turn rigidly stays below a quarter, a jump in between makes a half.
 constexpr double kLargestCorrection = 0.375;
 
 /// What a node depends on.
@@ -25,6 +26,7 @@ struct Dependence {
   bool past = false;       ///< those at its start
   bool is_linear = true;   ///< in these
   bool reference = false;  ///< PotentialBuilder::reference has been there
+  bool may_jump = false;   ///< has an operation whose value does
 };
 
 using Images = std::map<NodeId, Scalar>;
@@ -68,6 +70,8 @@ class PastMeasures {
     return images.at(id);
   }
 
+  bool may_jump(NodeId id) const { return depends_[id].may_jump; }
+
   /// The energy with other nodes in place of some.
   Scalar replaced(Images images) {
     for (NodeId id = 0; id <= root_; ++id)
@@ -98,7 +102,7 @@ class PastMeasures {
     if (node.op == Op::Unknown) return {.now = true};
     if (previous_field(id)) return {.past = true};
     if (field_of(id, ElementField::Source::Beyond)) return {.past = true, .reference = true};
-    Dependence all;
+    Dependence all{.may_jump = jumps(node.op)};
     int past_operands = 0;
     for (int k = 0; k < symbolic::operand_count(node.op); ++k) {
       const Dependence& d = depends_[node.operands[k]];
@@ -106,10 +110,15 @@ class PastMeasures {
       all.past |= d.past;
       all.reference |= d.reference;
       all.is_linear &= d.is_linear;
+      all.may_jump |= d.may_jump;
       past_operands += d.past;
     }
     all.is_linear &= !all.past || keeps_linear(node, past_operands);
     return all;
+  }
+
+  static bool jumps(Op op) {
+    return op == Op::Atan2 || op == Op::Atan || op == Op::Tan || op == Op::Select;
   }
 
   bool keeps_linear(const Node& node, int past_operands) const {
@@ -166,9 +175,12 @@ Scalar with_references(PotentialBuilder& builder, const Scalar& energy) {
     const Scalar beyond = measures.at(id, &PotentialBuilder::x_beyond);
     const Scalar behind = measures.at(id, &PotentialBuilder::x_behind);
     const Scalar correction = here - (beyond + behind) * 0.5;
+    // Numbers of a vector that turns reach their extremes one after the other: bounds by what they change by
+    // would correct some and not others, and make the axes of the world matter.
+    const Scalar bound = measures.may_jump(id) ? kLargestCorrection * abs(beyond - behind)
+                                               : Scalar(std::numeric_limits<double>::max());
     // False, so no correction, where a side is not finite.
-    const Scalar is_small = abs(correction) <= kLargestCorrection * abs(beyond - behind);
-    images[id] = here + select(is_small, correction, 0.0);
+    images[id] = here + select(abs(correction) <= bound, correction, 0.0);
   }
   return images.empty() ? energy : measures.replaced(std::move(images));
 }

@@ -9,8 +9,7 @@ namespace stark {
 
 /// `energy`, written with `builder`, with the reference in place of every measure of the past: the largest
 /// subexpressions of x_prev alone that are not linear in it. Those that are references already stay, and so
-/// do conditions. What a correction would change too much, as an angle that jumps by a turn, is left as it
-/// is.
+/// do conditions. What has jumped, as an angle does by a turn, is left as it is.
 symbolic::Scalar with_references(PotentialBuilder& builder, const symbolic::Scalar& energy);
 
 }  // namespace stark
