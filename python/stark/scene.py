@@ -22,6 +22,7 @@ from stark.bodies.locking import thin_warnings
 from stark.bodies.restitution import RestitutionTable
 from stark.bodies.scene_bodies import SceneBodies
 from stark.bodies.unfolding import unfolding_warnings
+from stark.joints.joined_ends import joined_ends_warnings
 from stark.joints.scene_joints import SceneJoints
 from stark.loads.scene_loads import SceneLoads
 from stark.named import NamedTuple
@@ -200,6 +201,7 @@ class Scene(
             *self._unused_warnings(),
             *thin_warnings(self._bodies, self._energies, self._attachments),
             *unfolding_warnings(self._bodies),
+            *joined_ends_warnings(self._core, self._joints, settings),
             *self._twin_warnings(),
         ]
 
