@@ -1,4 +1,5 @@
-"""Ropes that run over drums: what they transmit, with and without friction."""
+"""Ropes: what they transmit over drums, with and without friction; what friction on centre lines does
+(docs/rods.md)."""
 
 from __future__ import annotations
 
@@ -52,3 +53,52 @@ def test_a_rope_holds_as_a_capstan_does() -> None:
     """Euler and Eytelwein: e^(mu pi)."""
     ratio = pull_over_drum(0.3, speed=0.05, time_step=0.005, segments=192)
     assert ratio == pytest.approx(math.exp(0.3 * np.pi), rel=0.005)
+
+
+def test_a_rod_across_a_slope_does_not_roll() -> None:
+    """docs/rods.md: friction on the centre line has no torque about it."""
+    scene = stark.Scene()
+    slope = np.asarray(stark.rotation(axis="y", angle=20 * stark.deg))
+    scene.add_box((2, 2, 0.1), motion="fixed", rotation=slope, position=slope @ [0, 0, -0.05])
+    ends = np.array([[0, -0.1, 0.0055], [0, 0.1, 0.0055]]) @ slope.T
+    bar = stark.RodMaterial(density=1000.0, youngs_modulus=1e8, radius=0.005)
+    rod = scene.add_rod(stark.mesh.polyline(*ends, 20), bar, friction=0.5)
+    start = rod.positions
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.run_until(0.5)
+    assert np.abs((rod.positions - start) @ slope[:, 0]).max() < 1e-4
+    rolled = 0.5 * 2.0 / 3.0 * G * math.sin(20 * stark.deg) * 0.5**2
+    assert rolled == pytest.approx(0.28, abs=5e-3)  # as the guide says of a round bar
+
+
+@stark.energy
+def draw(p: stark.Point, q: stark.Point, force: float = 0.0):
+    """A force that draws two points together [N]."""
+    between = p.x - q.x
+    return force * stark.sqrt(between @ between)
+
+
+def spin_of_a_cross(friction: float) -> np.ndarray:
+    """Angular momentum of two rods that cross and are drawn together, over that at the start."""
+    scene = stark.Scene()
+    scene.default_friction = friction
+    bar = stark.RodMaterial(density=1000.0, youngs_modulus=1e8, radius=0.004)
+    pair = [
+        scene.add_rod(stark.mesh.polyline((-0.1, 0, -0.0039), (0.1, 0, -0.0039), 20), bar),
+        scene.add_rod(stark.mesh.polyline((0, -0.1, 0.0039), (0, 0.1, 0.0039), 20), bar),
+    ]
+    scene.add(draw(pair[0].vertices[[10]], pair[1].vertices[[10]], force=2.0))
+    sim = stark.Simulation(scene, time_step=0.005, gravity=(0, 0, 0))
+    sim.run_until(0.3)
+    for rod in pair:
+        rod.velocities = np.cross([5.0, 0, 0], rod.positions)
+    spin = np.array([report.angular_momentum[0] for report in sim.run(until=0.5)])
+    return spin / spin[0]
+
+
+def test_friction_between_rods_resists_when_both_turn_as_a_whole() -> None:
+    """docs/rods.md: a couple of friction times gap, as nothing tells how the surfaces of rods turn."""
+    assert spin_of_a_cross(0.0) == pytest.approx(1.0, abs=1e-3)
+    spin = spin_of_a_cross(0.5)
+    assert np.argmax(spin < 0.0) == pytest.approx(21, abs=2)  # after 0.1 s
+    assert spin.min() < -0.5
