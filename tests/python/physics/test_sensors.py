@@ -304,6 +304,23 @@ def test_nothing_is_known_before_the_first_step_and_names_are_checked() -> None:
     assert len(sim.contacts) == 0
 
 
+def test_a_step_that_failed_shows_no_contact() -> None:
+    """docs/sensors.md: the state is that before it, but what acts there was not found."""
+    scene = stark.Scene()
+    table = scene.add_box((1.0, 1.0, 0.1), motion="fixed")
+    block = scene.add_box(0.1, mass=0.1, position=(0, 0, 0.1019))
+    press = scene.add_box((0.2, 0.2, 0.1), motion="scripted", position=(0, 0, 0.21))
+    sim = stark.Simulation(scene, time_step=0.01, time={"min_step": 0.004})
+    sim.run_until(0.3)
+    before = sim.state
+    assert block.contact_force[2] == pytest.approx(0.1 * 9.81, rel=1e-3)
+    press.pose = (0, 0, 0.1), np.eye(3)
+    assert sim.step().failed
+    assert sim.state.arrays()["body_position"].tolist() == before.arrays()["body_position"].tolist()
+    for force in (block.contact_force, table.holding_force, block.acceleration(), sim.contacts.distances):
+        assert not np.any(force)
+
+
 def test_how_far_a_body_can_go() -> None:
     """A box between two plates, 0.2 m and 0.4 m away, and a rod across the way of a sheet."""
     scene = stark.Scene()
