@@ -201,6 +201,29 @@ def test_a_fast_top_precesses(integrator: str, allowed: tuple[float, float, floa
     assert top.angular_velocity @ axis == pytest.approx(spin, rel=allowed[2])
 
 
+@pytest.mark.parametrize(("step", "gain"), [(2e-3, 0.030), (1e-3, 0.0036)])
+def test_a_top_that_nods_gains_energy_by_the_third_power_of_the_step(step: float, gain: float) -> None:
+    """docs/integrators.md: with bdf2, in 10 s."""
+    axes = np.asarray(stark.rotation(axis="y", angle=0.5))
+    inertia = np.diag([1.167e-4, 1.167e-4, 2.25e-4])
+    scene = stark.Scene()
+    top = scene.add_box(
+        0.02,
+        inertia=(0.5, (0, 0, 0), inertia),
+        position=0.05 * axes[:, 2],
+        rotation=axes,
+        angular_velocity=150.0 * axes[:, 2],
+    )
+    scene.add_ball(None, top, anchor=(0, 0, 0))
+    sim = stark.Simulation(scene, time_step=step, time={"integrator": "bdf2"})
+    reports = list(sim.run(until=10.0))
+    energies = [report.energy["kinetic"] + report.energy["gravity"] for report in reports]
+    whole = 0.5 * inertia[2, 2] * 150.0**2
+    assert (energies[-1] - energies[0]) / whole == pytest.approx(gain, rel=0.1)
+    shown = -sum(report.energy["numerical"] for report in reports[1:])
+    assert shown == pytest.approx(energies[-1] - energies[0], rel=0.01)
+
+
 def gyroscope(spin: float, integrator: str) -> stark.Simulation:
     """A disc of 0.2 kg on an arm of 0.1 m that turns about z and nods about y, at the default step."""
     scene = stark.Scene()
