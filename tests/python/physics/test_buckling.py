@@ -137,3 +137,30 @@ def test_a_flat_cantilever_tips_over() -> None:
 
     low, high = resistance(0.9), resistance(0.97)
     validate("buckling.cantilever", np.sqrt(0.97**2 + (0.97**2 - 0.9**2) * high / (low - high)))
+
+
+def test_a_twisted_rod_gives_way_aside() -> None:
+    """At the torque 8.9868 B/L, twice the first root of tan x = x, if both ends keep their direction and one
+    may come nearer [Greenhill 1883]. The inverse of the deflection by a small load across vanishes there."""
+    length, segments = 1.0, 60
+    rubber = stark.RodMaterial(density=1000.0, youngs_modulus=1e7, radius=0.005, poissons_ratio=0.0)
+    critical = 8.9868 * rubber.section["bending_stiffness_1"] / length
+    scene = stark.Scene()
+    line = stark.mesh.polyline((0, 0, 0), (length, 0, 0), segments)
+    rod = scene.add_rod(line, rubber, clamps=[0], normal=(0, 0, 1), self_contact=False)
+    chuck = scene.add_box(0.02, mass=0.1, position=(length + 0.011, 0, 0))
+    scene.add_fixed(rod.frame(segments), chuck)
+    guide = scene.add_cylindrical(None, chuck, anchor=(length, 0, 0), axis="x")
+    torque = guide.add_effort(0.0, coordinate="angle")
+    scene.add_force(rod.vertices[[segments // 2]], (0, 0, 1e-5 * critical / length))
+    sim = simulation(scene)
+
+    def resistance(share: float) -> float:
+        torque.target = share * critical
+        assert not sim.step().failed
+        return float(1.0 / np.hypot(*rod.positions[segments // 2, 1:]))
+
+    for share in (0.3, 0.6, 0.8, 0.9):  # the way there
+        resistance(share)
+    low, high = resistance(0.96), resistance(0.98)
+    validate("buckling.twisted_rod", np.sqrt(0.98**2 + (0.98**2 - 0.96**2) * high / (low - high)))

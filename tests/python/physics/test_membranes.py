@@ -1,4 +1,5 @@
-"""Membranes against closed forms: strain limit of a strip (V11), a balloon and its limit point (V12)."""
+"""Membranes against closed forms: strain limit of a strip (V11), a balloon and its limit point (V12), a disc
+that pressure bulges (Hencky)."""
 
 from __future__ import annotations
 
@@ -10,6 +11,7 @@ import pytest
 from _mechanisms import simulate
 from _validation import validate
 from scipy.optimize import brentq, minimize_scalar
+from scipy.spatial import Delaunay
 
 import stark
 
@@ -226,3 +228,53 @@ def test_balloon_grows_without_bound_beyond_its_limit_point() -> None:
             assert mean_radius(skin) == pytest.approx(below, rel=0.01)
         else:
             assert mean_radius(skin) > 2.2
+
+
+# --- Hencky: a disc whose rim is held bulges under pressure ---
+
+
+def hencky(ratio: float) -> tuple[float, float]:
+    """Height of the middle over a (p a/(E t))^(1/3), its stress over (E p^2 a^2/t^2)^(1/3) [Hencky 1915]."""
+    stresses = [1.0, -1.0, -2 / 3, -13 / 18, -17 / 18, -37 / 27, -1205 / 567]
+    heights = [1.0, 1 / 2, 5 / 9, 55 / 72, 7 / 6, 205 / 108, 17051 / 5292]
+
+    def stretch_at_rim(b: float) -> float:
+        return sum((2 * n + 1 - ratio) * c * b ** (1 - 3 * n) for n, c in enumerate(stresses))
+
+    b = brentq(stretch_at_rim, 1.5, 3.0)
+    return sum(c * b ** (-1 - 3 * n) for n, c in enumerate(heights)), b / 4.0
+
+
+def disc(rings: int) -> tuple[stark.TriangleMesh, int]:
+    """A disc of 1 m of rings of vertices about the first one, and the vertices of its rim."""
+    turns = [np.arange(6 * k) * 2 * np.pi / (6 * k) for k in range(1, rings + 1)]
+    flat = np.vstack(
+        [(0.0, 0.0)] + [k / rings * np.column_stack((np.cos(t), np.sin(t))) for k, t in enumerate(turns, 1)]
+    )
+    triangles = Delaunay(flat).simplices
+    (ax, ay), (bx, by) = (np.moveaxis(flat[triangles[:, k]] - flat[triangles[:, 0]], 1, 0) for k in (1, 2))
+    areas = ax * by - ay * bx
+    triangles = np.where((areas < 0.0)[:, None], triangles[:, ::-1], triangles)[abs(areas) > 1e-9]
+    return stark.TriangleMesh(np.column_stack((flat, 0.0 * flat[:, 0])), triangles), 6 * rings
+
+
+def test_a_disc_bulges_as_henckys() -> None:
+    modulus, thickness, ratio, pressure = 1e7, 1e-3, 0.3, 0.1
+    mesh, rim = disc(24)
+    film = stark.materials.membrane_st_venant_kirchhoff(
+        youngs_modulus=modulus, poissons_ratio=ratio, thickness=thickness, density=0.2, bending_stiffness=0.0
+    )
+    x, y = mesh.vertices[:, 0], mesh.vertices[:, 1]
+    start = mesh.vertices + np.outer(0.02 * (x**2 + y**2 - 1.0), [0, 0, 1])
+    scene = stark.Scene()
+    pins = np.arange(len(x) - rim, len(x))
+    sheet = scene.add_cloth(mesh, film, pins=pins, initial_positions=start, name="sheet")
+    scene.add_face_pressure(sheet, pressure)
+    sim = stark.Simulation(scene, gravity=(0, 0, 0), settings=STATIC)
+    sim.run_until(3 * sim.time_step)
+    height, stress = hencky(ratio)
+    validate("hencky.height", -sheet.positions[0, 2] / np.cbrt(pressure / modulus / thickness) / height)
+    found = stark.render.tensor_values(sim, "stress")["sheet"][0]
+    scale = np.cbrt(modulus * (pressure / thickness) ** 2)
+    validate("hencky.stress", np.linalg.eigvalsh(np.reshape(found, (3, 3)))[1:] / scale / stress)
+    assert sheet.pin_forces.sum(axis=0) == pytest.approx([0, 0, np.pi * pressure], rel=5e-3, abs=1e-6)

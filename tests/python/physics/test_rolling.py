@@ -135,6 +135,40 @@ def test_wheels_roll_short_by_what_the_guide_says(integrator: str) -> None:
         assert 0.0 < short - turn**2 / 6 < 8e-4
 
 
+def thrown(speed: float, spin: float, step: float, integrator: str) -> tuple[float, float]:
+    """Speed at which a ball of 7 kg rolls in the end, and how long it slides, mu 0.2."""
+    radius, mass = 0.1085, 7.0
+    scene = stark.Scene()
+    scene.default_friction = 0.2
+    scene.add_floor(60.0)
+    ball = scene.add_rigid(
+        stark.mesh.sphere(radius, 4),
+        inertia=(mass, (0, 0, 0), 0.4 * mass * radius**2 * np.eye(3)),
+        position=(-10.3, 0.1, radius + 1e-3),
+        velocity=(speed, 0, 0),
+        angular_velocity=(0, spin, 0),
+    )
+    sim = stark.Simulation(scene, time_step=step, time={"integrator": integrator})
+    slip = speed - radius * spin
+    slides = 2.0 * slip / (7.0 * 0.2 * G)
+    times, slips = [0.0], [1.0]
+    for report in sim.run(1.5 * slides):
+        assert not report.failed
+        times.append(report.time)
+        slips.append((ball.velocity[0] - radius * ball.angular_velocity[1]) / slip)
+    half = np.interp(-0.5, -np.array(slips), times)  # it falls evenly
+    return float(ball.velocity[0]), float(2.0 * half)
+
+
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+def test_a_ball_that_slides_comes_to_roll(integrator: str) -> None:
+    """With (5 v + 2 r w)/7, after 2 (v - r w)/(7 mu g): a bowling ball, and one with so much draw that it
+    comes back."""
+    bowled = thrown(8.0, 0.0, 0.002, integrator)
+    validate(f"sliding_ball.bowled_{integrator}", bowled)
+    validate(f"sliding_ball.draw_{integrator}", thrown(2.0, -60.0, 0.002, integrator))
+
+
 def feed(radius: float, distance: float) -> float:
     """Speed [m/s] of a cloth between two rollers that turn by 2 rad/s, pressed to 0.8 of the sum of the
     contact distances [m]."""

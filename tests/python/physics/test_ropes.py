@@ -8,6 +8,8 @@ import math
 import numpy as np
 import pytest
 from _helpers import G
+from _validation import validate
+from scipy.integrate import quad
 
 import stark
 
@@ -53,6 +55,42 @@ def test_a_rope_holds_as_a_capstan_does() -> None:
     """Euler and Eytelwein: e^(mu pi)."""
     ratio = pull_over_drum(0.3, speed=0.05, time_step=0.005, segments=192)
     assert ratio == pytest.approx(math.exp(0.3 * np.pi), rel=0.005)
+
+
+def test_the_end_of_a_folded_chain_falls_faster_than_free() -> None:
+    """The end of a chain that hangs folded, both ends side by side, is let go. Without losses its speed at
+    the depth x is that of free fall times sqrt((1 - x/2L)/(1 - x/L)) [Calkin and March 1989]."""
+    length, apart = 1.0, 0.04
+    arm = 0.5 * (length - 0.5 * np.pi * apart)
+    down, bend = np.linspace(0.0, -arm, 50), np.linspace(0.0, np.pi, 14)[1:-1]
+    radius = 0.5 * apart
+    points = [(0.0, 0.0, z) for z in down]
+    points += [(radius - radius * np.cos(a), 0.0, -arm - radius * np.sin(a)) for a in bend]
+    points += [(apart, 0.0, z) for z in down[::-1]]
+    limp = stark.RodMaterial(
+        density=1000.0,
+        radius=0.002,
+        axial_stiffness=1e4,
+        bending_stiffness_1=1e-9,
+        bending_stiffness_2=1e-9,
+        torsional_stiffness=1e-8,
+    )
+    scene = stark.Scene()
+    chain = scene.add_rod(np.array(points), limp, pins=[0], rest_shape="straight", self_contact=False)
+    sim = stark.Simulation(scene, time_step=5e-4, time={"integrator": "bdf2"})
+    times, depths = [0.0], [0.0]
+    for report in sim.run(until=0.38):
+        times.append(report.time)
+        depths.append(-chain.positions[-1, 2])
+
+    def slowness(root: float) -> float:
+        x = root**2  # time over its root stays finite at the start
+        return 2.0 * root / math.sqrt(2.0 * G * x * (1.0 - x / (2.0 * length)) / (1.0 - x / length))
+
+    expected = [quad(slowness, 1e-12, math.sqrt(x * length))[0] for x in (0.5, 0.8, 0.9)]
+    found = np.interp([0.5, 0.8, 0.9], depths, times)
+    validate("folded_chain.times", found / expected)
+    assert found[2] < 0.88 * math.sqrt(2.0 * 0.9 * length / G)  # of free fall
 
 
 def test_a_rod_across_a_slope_does_not_roll() -> None:

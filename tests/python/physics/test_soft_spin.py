@@ -1,5 +1,5 @@
-"""Soft bodies that spin: a bar that turns as it does in any shorter step, stretched by its inertia (V28); what a
-sheet loses that swings."""
+"""Soft bodies that spin: a bar that turns as it does in any shorter step, stretched by its inertia (V28), and
+what a sheet loses that swings."""
 
 from __future__ import annotations
 
