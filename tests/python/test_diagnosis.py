@@ -320,6 +320,21 @@ def test_a_box_that_nothing_holds_is_told_once_what_quasistatic_steps_cannot_do(
     assert "quasistatic" in report.diagnosis.remedy
 
 
+def test_a_box_that_friction_alone_could_hold_is_told_to_start_with_inertia() -> None:
+    """On a floor, in a first quasistatic step. The advice was another solver, whichever there was."""
+    scene = stark.Scene()
+    scene.add_floor(1.0)
+    box = scene.add_box(0.1, mass=1.0, position=(0, 0, 0.0518))
+    sim = stark.Simulation(scene, **ONCE, **{"time.integrator": "quasistatic"})
+    remedy = failed(sim, "singular_system").remedy
+    assert "friction holds nothing in a first step" in remedy and "cholesky" not in remedy
+    assert "go on from the state of a simulation with inertia" in remedy
+    start = stark.Simulation(scene, time_step=0.01)
+    start.run_until(0.5)
+    sim.state = start.state
+    assert not sim.step().failed and box.contact_force[2] == pytest.approx(9.81, rel=1e-3)
+
+
 def test_a_cloth_that_nothing_holds_has_no_equilibrium() -> None:
     scene = stark.Scene()
     scene.add_cloth(stark.mesh.grid(0.3, 0.3, 6), name="sheet")

@@ -393,8 +393,11 @@ Verdict judge_status(const StepEvidence& e, const Settings& settings) {
     case SolveStatus::LinearSolveFailed:
       if (e.stiffness_ratio > kContrastOfSolve) break;
       return {FailureCause::SingularSystem, force_text(e),
-              "look for free bodies without inertia or support, which quasistatic steps cannot move, and use "
-              "linear.solver = 'cholesky'"};
+              has_inertia(settings.time.integrator)
+                  ? "look for free bodies without inertia or support, and use linear.solver = 'cholesky'"
+                  : "look for bodies that nothing holds, which quasistatic steps cannot move: friction holds "
+                    "nothing in a first step, and no more than its limit later; go on from the state of a "
+                    "simulation with inertia, pin them, or load them less"};
     default:
       break;
   }

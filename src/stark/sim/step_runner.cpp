@@ -243,8 +243,8 @@ void StepRunner::report_nearness() {
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
   add_caveat(Caveat::BelowLeastDistance,
              name(near.group_a) + " and " + (near.group_a == near.group_b ? "itself" : name(near.group_b)) +
-                 " are " + quantity_text(near.nearest, "m") + " apart, below the least distance " +
-                 quantity_text(near.least, "m") +
+                 " are " + rough_text(near.nearest, "m") + " apart, below the least distance " +
+                 rough_text(near.least, "m") +
                  " that contact.min_separation_factor asks for: they started nearer, or contact is too soft "
                  "for an impact; raise contact_stiffness, or lower time.step");
 }

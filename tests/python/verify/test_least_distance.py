@@ -3,6 +3,7 @@ limit; what no step says is violated."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,7 @@ def test_a_step_says_that_surfaces_are_too_near() -> None:
         if below:
             assert "'plate' and 'box' are" in report.message or "'box' and 'plate' are" in report.message
             assert "below the least distance 2e-06 m" in report.message
+            assert re.search(r" are [\d.e-]{1,9} m apart", report.message)  # three digits
         said += below
     assert said > 0
 
