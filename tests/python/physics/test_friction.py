@@ -211,3 +211,34 @@ def test_without_friction_none_is_behind() -> None:
         assert report.friction_residual == 0.0
         assert not report.caveats
     assert box.velocity[0] == pytest.approx(1.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "step", "distance", "speed"),
+    [
+        ("bdf2", 1e-3, 1e-3, 0.02),
+        ("implicit_euler", 1e-4, 1e-3, 0.02),
+        ("bdf2", 2e-3, 1e-3, 0.0),
+        ("bdf2", 1e-3, 1e-4, 0.0),
+        ("implicit_euler", 1e-3, 1e-3, 0.0),
+    ],
+)
+def test_a_box_that_trembles_walks_down_a_slope(
+    integrator: str, step: float, distance: float, speed: float
+) -> None:
+    """docs/friction.md: where steps resolve how it rocks on the undamped layer of contact."""
+    scene = stark.Scene()
+    scene.default_friction = 0.4
+    slope = np.asarray(stark.rotation(axis="y", angle=20 * stark.deg))
+    scene.add_box((2, 2, 0.1), motion="fixed", rotation=slope, position=slope @ [0, 0, -0.05])
+    place = slope @ [0, 0, 0.05 + (1.8 if distance == 1e-3 else 1.0) * distance]
+    box = scene.add_box(0.1, mass=1.0, rotation=slope, position=place)
+    sim = stark.Simulation(scene, time_step=step, contact_distance=distance, time={"integrator": integrator})
+    sim.run_until(1.0)
+    start, forces = box.position, []
+    for _ in sim.run(until=1.5):
+        forces.append(box.contact_force @ slope[:, 2])
+    assert (box.position - start) @ slope[:, 0] / 0.5 == pytest.approx(speed, abs=1e-3)
+    mean = G * np.cos(20 * stark.deg)
+    assert np.mean(forces) == pytest.approx(mean, rel=0.02)
+    assert (min(forces) < 0.4 * mean and max(forces) > 2.0 * mean) == (speed > 0.0)
