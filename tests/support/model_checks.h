@@ -30,6 +30,7 @@ PotentialDefinition membrane_strain_limit();
 PotentialDefinition membrane_neo_hookean();
 PotentialDefinition membrane_damping();
 PotentialDefinition flat_bending();
+PotentialDefinition damped_flat_bending();
 PotentialDefinition discrete_shell_bending();
 
 }  // namespace stark::models

@@ -129,16 +129,17 @@ void Model::Builder::add_hinges(const ClothDescription& sheet, const ModelBody& 
       bending.set("rest_angle", static_cast<int64_t>(e), flat ? 0.0 : fold_angle(X[a], X[b], X[c], X[d]));
     }
     set_yield(bending, yield);
-  } else {
-    add_batch(flat ? models::flat_bending() : models::discrete_shell_bending(), stencils, name,
-              hinge_stiffness(sheet, hinges))
-        .set_uniform("bending_damping", flat ? 0.0 : material.bending_damping);
+    if (material.bending_damping == 0.0) return;
   }
-  // Of the angles, also where bending is quadratic: the rate of the vector that is squared there would brake
-  // folds that turn.
-  if (material.bending_damping > 0.0 && (flat || yields))
-    add_batch(models::discrete_shell_bending(), stencils, name, {{"bending_stiffness", {{0.0}}}})
-        .set_uniform("bending_damping", material.bending_damping);
+  const bool damps = material.bending_damping > 0.0;
+  const bool quadratic = flat && !yields;
+  PotentialBatch& bending =
+      add_batch(!quadratic ? models::discrete_shell_bending()
+                : damps    ? models::damped_flat_bending()
+                           : models::flat_bending(),
+                stencils, name,
+                yields ? ParameterValues{{"bending_stiffness", {{0.0}}}} : hinge_stiffness(sheet, hinges));
+  if (damps || !quadratic) bending.set_uniform("bending_damping", material.bending_damping);
 }
 
 void Model::Builder::add_plate(const ClothDescription& sheet, const ModelBody& body,

@@ -33,8 +33,7 @@ def gravity(p: stark.Point, mass: float, gravity: stark.Vec3):
     return -(mass * stark.dot(gravity, p.x))
 
 
-@stark.energy
-def flat_bending(s: stark.Hinge, h: stark.TimeStep, bending_stiffness: float, bending_damping: float):
+def quadratic_energy(s: stark.Hinge, bending_stiffness: float) -> stark.Scalar:
     def cotangent(a: stark.Vec, b: stark.Vec) -> stark.Scalar:
         return stark.dot(a, b) / stark.norm(stark.cross(a, b))
 
@@ -44,13 +43,22 @@ def flat_bending(s: stark.Hinge, h: stark.TimeStep, bending_stiffness: float, be
     a_at_0, b_at_0 = cotangent(e, a0), cotangent(e, b0)
     a_at_1, b_at_1 = cotangent(-e, a1), cotangent(-e, b1)
     weights = [a_at_1 + b_at_1, a_at_0 + b_at_0, -(a_at_0 + a_at_1), -(b_at_0 + b_at_1)]
-    curvature, previous = weights[0] * s[0].x, weights[0] * s[0].x_prev
+    curvature = weights[0] * s[0].x
     for i in range(1, 4):
         curvature = curvature + weights[i] * s[i].x
-        previous = previous + weights[i] * s[i].x_prev
-    elastic = 0.5 * bending_stiffness * stark.squared_norm(curvature)
-    viscous = 0.5 * bending_damping / h * stark.squared_norm(curvature - previous)
-    return (elastic + viscous) * s.rest_weight
+    return 0.5 * bending_stiffness * stark.squared_norm(curvature)
+
+
+@stark.energy
+def flat_bending(s: stark.Hinge, bending_stiffness: float):
+    return quadratic_energy(s, bending_stiffness) * s.rest_weight
+
+
+@stark.energy
+def damped_flat_bending(s: stark.Hinge, h: stark.TimeStep, bending_stiffness: float, bending_damping: float):
+    viscous = 0.5 * bending_damping / h * (s.angle - s.angle_prev) ** 2
+    whole = quadratic_energy(s, bending_stiffness) + viscous * stark.squared_norm(s.rest_edge)
+    return whole * s.rest_weight
 
 
 @stark.energy

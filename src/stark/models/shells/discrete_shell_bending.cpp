@@ -26,13 +26,10 @@ PotentialDefinition discrete_shell_bending() {
       "discrete_shell_bending", 4, "bending of hinges with the rest angles of the mesh",
       [](PotentialBuilder& b) {
         const Scalar k = b.parameter("bending_stiffness", "J", "bending stiffness");
-        const Scalar d = b.parameter("bending_damping", "J s", "viscosity of the fold angle rate");
         const HingeGeometry rest = rest_hinge(b);
         const Scalar theta = fold_angle(hinge(b.x(0), b.x(1), b.x(2), b.x(3)));
-        const Scalar theta_prev = fold_angle(hinge(b.x_prev(0), b.x_prev(1), b.x_prev(2), b.x_prev(3)));
         const Scalar elastic = 0.5 * k * square(theta - fold_angle(rest));
-        const Scalar viscous = 0.5 * d / b.time_step() * square(theta - theta_prev);
-        return (elastic + viscous) * hinge_weight(b) * squared_norm(rest.edge);
+        return (elastic + viscous_energy(b)) * hinge_weight(b) * squared_norm(rest.edge);
       });
   definition.zero_at_rest = true;
   definition.sample = sample_hinge;

@@ -29,6 +29,14 @@ inline Scalar hinge_weight(PotentialBuilder& b) {
   return 6.0 / (norm(rest.normal_a) + norm(rest.normal_b));
 }
 
+/// d/(2 h) (theta - theta_n)^2 [J].
+inline Scalar viscous_energy(PotentialBuilder& b) {
+  const Scalar d = b.parameter("bending_damping", "J s", "viscosity of the fold angle rate");
+  const Scalar theta = fold_angle(hinge(b.x(0), b.x(1), b.x(2), b.x(3)));
+  const Scalar theta_prev = fold_angle(hinge(b.x_prev(0), b.x_prev(1), b.x_prev(2), b.x_prev(3)));
+  return 0.5 * d / b.time_step() * square(theta - theta_prev);
+}
+
 /// Rest shape around [0, 1]: two triangles folded by a moderate random angle.
 PotentialSample sample_hinge(std::mt19937_64& random);
 
