@@ -8,7 +8,6 @@ them once it is gone. Handles know links to their scene and simulation, not what
 
 from __future__ import annotations
 
-import warnings
 import weakref
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -17,7 +16,7 @@ from typing import Any, Protocol, Self, TypeAlias
 from stark import _core
 from stark._core import Simulation as CoreSimulation
 from stark.arguments import added_later, needs_simulation
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.mesh import Indices, Polyline, SolidMesh, TetMesh, TriangleMesh
 from stark.scene_record import RecordedScene
 from stark.settings import Settings
@@ -137,25 +136,23 @@ class SceneLink:
     def _append_layer(self, layer: Any) -> None:
         self._layers.append(layer)
         self._warn_of_late(f"layer '{layer.name}'")
-        self._warn(stacklevel=4)
+        self._warn()
 
     # --- warnings ---
 
-    def _warn(self, stacklevel: int) -> None:
+    def _warn(self) -> None:
         """Passes on what the core has warned about since the last call."""
         found = self._core.warnings
         for message in found[self._warned :]:
-            warnings.warn(message, StarkWarning, stacklevel=stacklevel)
+            warn(message)
         self._warned = len(found)
 
-    def _warn_of_late(self, what: str, stacklevel: int = 4) -> None:
+    def _warn_of_late(self, what: str) -> None:
         """After something that acts was added to a scene that is being simulated."""
         if self._latest_simulation() is not None and not self._adds_a_whole:
-            warnings.warn(
+            warn(
                 f"{what} was added after the simulation was created and does not affect it: add it before "
-                f"stark.Simulation(scene), or create a new simulation",
-                StarkWarning,
-                stacklevel=stacklevel,
+                f"stark.Simulation(scene), or create a new simulation"
             )
 
     @contextmanager
@@ -194,11 +191,9 @@ class SceneLink:
         how = remedy or what
         latest = self._latest_simulation()
         if latest is not None and body._index < latest._core.body_count:
-            warnings.warn(
+            warn(
                 f"'{body.name}': {what} does not affect the existing simulation; {how} before you create "
-                f"stark.Simulation(scene), or create a new one",
-                StarkWarning,
-                stacklevel=3,
+                f"stark.Simulation(scene), or create a new one"
             )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from typing import TypeAlias
 
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import real_array, real_number, refuse_masked
-from stark.errors import StarkWarning
+from stark.caller import warn
 
 Vec3Like: TypeAlias = Sequence[float] | NDArray[np.floating]
 
@@ -68,15 +67,13 @@ def check_places(places: NDArray[np.float64], name: str) -> None:
         )
 
 
-def warn_of_degrees(what: str, angle: object, caller: int = 3) -> None:
-    """Of a whole number beyond four turns; ``caller``: how many calls away the user's line is."""
+def warn_of_degrees(what: str, angle: object) -> None:
+    """Of a whole number beyond four turns."""
     if not isinstance(angle, (int, np.integer)) or abs(int(angle)) <= _WHOLE_RADIANS:
         return
-    warnings.warn(
+    warn(
         f"{what} = {angle} rad is {int(angle) / math.tau:.1f} turns: angles are in radians; "
-        f"write {angle} * stark.deg if {angle} degrees are meant, {angle}.0 if not",
-        StarkWarning,
-        stacklevel=caller,
+        f"write {angle} * stark.deg if {angle} degrees are meant, {angle}.0 if not"
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
@@ -18,7 +17,7 @@ from stark.attributes import AnsweredAttributes
 from stark.bodies import Body, Layer
 from stark.bodies.rest_state import LiveRestState, RestState
 from stark.bodies.sensors import ClosestPoints, Contacts, FreePath, contacts_of, free_path_of
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.handle import Follower, placed_together
 from stark.named import NamedList
 from stark.overloads import overload
@@ -123,10 +122,10 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
             )
         self._scene = scene
         for message in scene._start_warnings(self._settings):
-            warnings.warn(message, StarkWarning, stacklevel=2)
+            warn(message)
         self._core = _core.Simulation(scene._core, self._settings._core)
         for message in self._core.check_state():
-            warnings.warn(message, StarkWarning, stacklevel=2)
+            warn(message)
         # Of rows of targets: bodies of the scene may be pinned after this.
         self._pins = [scene._core.pins(k) for k in range(len(scene))]
         self._clamped = [scene._core.clamped(k) for k in range(len(scene))]
@@ -184,12 +183,10 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         if not end >= 0.0:  # also NaN
             raise InvalidArgument(f"run: until = {until} s: must be >= 0; it is a time, not a duration")
         if reached(self, end) and end < self.time * (1.0 - 1e-9):
-            warnings.warn(
+            warn(
                 f"run: until = {end:g} s has passed, the simulation is at {self.time:g} s: no step is "
                 f"taken; until is a time, not a duration: for {end:g} s more write "
-                f"run(until=sim.time + {end:g})",
-                StarkWarning,
-                stacklevel=2,
+                f"run(until=sim.time + {end:g})"
             )
         return Steps(self._run(end, progress), end, is_due=not reached(self, end))
 
@@ -224,11 +221,9 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
             self._known_bodies += len(late)
             told.append(f"{', '.join(repr(body.name) for body in late)} was added")
         for what in told:
-            warnings.warn(
+            warn(
                 f"scene '{self._scene.name}': {what} after the simulation was made and does not affect "
-                f"it; do so before you make stark.Simulation(scene), or make a new simulation",
-                StarkWarning,
-                stacklevel=4,
+                f"it; do so before you make stark.Simulation(scene), or make a new simulation"
             )
 
     def _follow_motions(self, duration: float, end: float) -> None:
@@ -280,7 +275,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
             return
         self._looked_for_jumps = True
         for message in filter(None, (follower.jump() for follower in self._followers())):
-            warnings.warn(message, StarkWarning, stacklevel=4)
+            warn(message)
 
     def _followers(self) -> list[Follower]:
         """Of the bodies that this simulation has."""

@@ -6,7 +6,6 @@ import copy
 import copyreg
 import math
 import sys
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -14,7 +13,7 @@ from typing import Any, NamedTuple
 from stark import _core
 from stark._core import Error, InvalidArgument, State, StepProgress, StepReport
 from stark.attributes import answer_attributes
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.handle import BodyHandle, SimulationLink
 from stark.scene_record import Call
 
@@ -172,11 +171,9 @@ class Steps(Iterator[StepReport]):
 
     def __del__(self) -> None:
         if self._unasked and not sys.is_finalizing():
-            warnings.warn(
+            warn(
                 f"run(until={self._until:g}) alone takes no step: write for step in sim.run(until="
-                f"{self._until:g}): ..., or sim.run_until({self._until:g})",
-                StarkWarning,
-                stacklevel=2,
+                f"{self._until:g}): ..., or sim.run_until({self._until:g})"
             )
 
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
 from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula, built_in
 from stark.arguments import given_flag, given_name, real_number, refuse_unknown_values
+from stark.caller import warn
 from stark.courses import set_courses, starts
-from stark.errors import StarkWarning
 from stark.handle import SceneLink
 from stark.joints.handle import Actuator, Joint
 
@@ -63,12 +62,10 @@ def _warn_of_another(scene: SceneLink, kind: str, targets: list[tuple[Joint, str
     for other in joint.actuators:
         if other.kind == kind and other.coordinates[0][1] == coordinate and other.enabled:
             word, values = _DRIVES[kind]
-            warnings.warn(
+            warn(
                 f"joint '{joint.name}': '{other.name}' is a {word} on its {coordinate} already: both act, "
                 f"and their efforts add up; assign {values} of that one instead, or add the other with "
-                f"enabled=False and switch between them",
-                StarkWarning,
-                stacklevel=6,  # where joint.add_servo was called
+                f"enabled=False and switch between them"
             )
             return
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from stark.attachments.handle import Attachment
 from stark.bodies import Body
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.handle import SceneLink
 from stark.named import NamedTuple
 from stark.selections import Points, Stencils
@@ -68,7 +67,7 @@ class SceneAttachments(SceneLink):
         self._warn_of_late(f"attachment '{attachment.name}'")
         carrier = b.body if isinstance(b, Points) else self[b] if isinstance(b, str) and b != "world" else b
         if gaps := gaping_seam(attachment.points, carrier if isinstance(carrier, Body) else None):
-            warnings.warn(f"attachment '{attachment.name}': {gaps}", StarkWarning, stacklevel=2)
+            warn(f"attachment '{attachment.name}': {gaps}")
         return attachment
 
     def sew(

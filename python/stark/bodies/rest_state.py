@@ -5,7 +5,6 @@ may change between steps, also in place; functions of the time [s] are followed.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import real_array
+from stark.caller import warn
 from stark.courses import at_start, set_courses
-from stark.errors import StarkWarning
 from stark.handle import BodyHandle, SimulationLink
 from stark.scene_record import Call
 
@@ -109,11 +108,9 @@ class RestState(BodyHandle):
             self._require_of_scene(name)
             expansion = getattr(self._shared["material"], "thermal_expansion", 1.0)
             if known is None and name == "temperature" and not np.any(expansion):
-                warnings.warn(
+                warn(
                     f"'{self.name}': temperature: changes nothing, as thermal_expansion of the material is "
-                    f"0: must be given, material.replace(thermal_expansion=...) [1/K]",
-                    StarkWarning,
-                    stacklevel=4,
+                    f"0: must be given, material.replace(thermal_expansion=...) [1/K]"
                 )
             if known is not None and self._simulation() is not None:
                 raise InvalidArgument(

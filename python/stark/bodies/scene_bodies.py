@@ -392,7 +392,7 @@ class SceneBodies(SceneLink):
         self._bodies.append(body)
         if self._ghosts:
             self._core.disable_contacts([body._index], [ghost._index for ghost in self._ghosts])
-        self._warn(stacklevel=4)
+        self._warn()
 
     def _touches_nothing(self, body: Body) -> None:
         """Neither the bodies that there are nor those that are added later."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from stark import _core
 from stark._core import InvalidArgument
 from stark.bodies.layered import LayeredBody
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.materials import SolidMaterial
 from stark.mesh import EmbeddedMesh, Indices, SolidMesh, TetMesh
 from stark.mesh.repair import doubles
@@ -50,7 +49,7 @@ class Solid(LayeredBody):
         """Those of robots are in the report of the robot."""
         text = self._locking() if formulation == "displacement" else ""
         if text and not self._scene._adds_a_whole:
-            warnings.warn(f"solid '{self.name}': {text}", StarkWarning, stacklevel=3)
+            warn(f"solid '{self.name}': {text}")
 
     def _warn_of_doubles(self) -> None:
         """Elements that fill the same place, as of two overlapping groups of a mesher."""
@@ -58,11 +57,9 @@ class Solid(LayeredBody):
         if len(pairs) and not self._scene._adds_a_whole:
             first, second = pairs[0]
             count = "1 element is" if len(pairs) == 1 else f"{len(pairs)} elements are"
-            warnings.warn(
+            warn(
                 f"solid '{self.name}': {count} there twice, such as {second}, whose nodes are those of "
-                f"{first}: mass and stiffness count twice there; leave one out",
-                StarkWarning,
-                stacklevel=3,
+                f"{first}: mass and stiffness count twice there; leave one out"
             )
 
     def _locking(self) -> str:

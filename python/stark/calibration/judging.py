@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stark.caller import warn
 from stark.curves import Floats
-from stark.errors import StarkWarning
 
 _INFLUENCE = 1e-4  # change of the predictions by a parameter that grows by all of itself: less is none
 _PART = 0.3  # of a direction in which predictions stay: which parameters are meant
@@ -64,7 +63,7 @@ def cut_off(evaluations: int) -> tuple[str, ...]:
 
 def _issued(texts: Sequence[str]) -> tuple[str, ...]:
     for text in texts:
-        warnings.warn(f"fit: {text}", StarkWarning, stacklevel=5)
+        warn(f"fit: {text}")
     return tuple(texts)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import warnings
 from dataclasses import dataclass
 from os import PathLike
 from typing import Any, Self
@@ -11,7 +10,7 @@ from typing import Any, Self
 from stark import _core
 from stark._core import InvalidArgument
 from stark.arguments import given_path
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.steps import Stepping
 
 from . import differences, file
@@ -124,12 +123,10 @@ class Checkpoint(Content):
         _assign(sim, self.values)
         sim._loaded = self.last if same else None
         if not same:
-            warnings.warn(
+            warn(
                 f"the last step before the checkpoint at {self.time:g} s, taken again, has other bits: this "
                 f"Stark ({_core.__version__}, written by {self.stark_version}) computes differently; the "
-                f"simulation goes on from the state of the checkpoint, but not as it would have",
-                StarkWarning,
-                stacklevel=4,
+                f"simulation goes on from the state of the checkpoint, but not as it would have"
             )
 
 

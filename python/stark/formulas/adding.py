@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import numpy as np
 
 from stark._core import InvalidArgument
 from stark.arguments import given_name
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.formulas.binding import counted
 from stark.formulas.diagnosis import culprit
 from stark.formulas.energy import Binding, EnergyFormula
@@ -46,7 +45,7 @@ def add_energy(scene: SceneLink, binding: Any, name: str | None) -> Energy:
     binding = binding.copy()
     check_start(binding)
     if label := dependence(binding)[0]:
-        warnings.warn(f"energy '{binding.name}': {numbering_text(label)}", StarkWarning, stacklevel=3)
+        warn(f"energy '{binding.name}': {numbering_text(label)}")
     index = scene._core.add_energy(
         {
             "name": given_name(name),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.formulas import law_checks
 from stark.formulas.parameters import Parameter
 from stark.formulas.recorded_law import RecordedLaw
@@ -75,7 +74,7 @@ class MaterialLaw(RecordedLaw):
         for problem in self._problems(values):
             if problem.is_error:
                 raise InvalidArgument(f"{problem.text}\n{self.location}")
-            warnings.warn(f"{problem.text}\n{self.location}", StarkWarning, stacklevel=3)
+            warn(f"{problem.text}\n{self.location}")
 
     @property
     def _rest_points(self) -> np.ndarray:

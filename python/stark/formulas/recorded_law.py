@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import inspect
 import threading
-import warnings
 from collections.abc import Callable, Hashable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -14,7 +13,7 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.formulas.arguments import ClockArgument, read_clock, read_parameter
 from stark.formulas.captured import captured, changed
 from stark.formulas.internal import Internal, read_internal, split_result
@@ -157,11 +156,9 @@ class RecordedLaw:
             return
         which = ", ".join(f"'{name}'" for name in names)
         those = "it a parameter" if len(names) == 1 else "them parameters"
-        warnings.warn(
+        warn(
             f"{self.name}: {which} changed after the law was recorded, which keeps what it found then: make "
-            f"{those} of the law, or define the law again\n{self.location}",
-            StarkWarning,
-            stacklevel=3,
+            f"{those} of the law, or define the law again\n{self.location}"
         )
 
     @property

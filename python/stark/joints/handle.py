@@ -324,7 +324,7 @@ class Joint(JointActuators):
             if LARGEST <= abs(present[name]) < np.inf:  # the core says what is not finite
                 raise InvalidArgument(f"{self._title}: {what}: {name} = {value}: must not be beyond 1e150")
             if what == "coordinates" and self._is_angle(name):
-                warn_of_degrees(f"{self._title}: {name}", value, caller=5)
+                warn_of_degrees(f"{self._title}: {name}", value)
         return np.array(list(present.values()), dtype=np.float64)
 
     def _named(self, values: Floats) -> dict[str, float]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import Any
 
 from stark._core import InvalidArgument
 from stark.arguments import real_number
+from stark.caller import warn
 from stark.courses import TimeValue, at_start
-from stark.errors import StarkWarning
 
 
 def checked_stops(
@@ -30,10 +29,8 @@ def checked_stops(
     if len(first) == 2 and not first["lower"] < first["upper"]:
         raise InvalidArgument(f"add_limit: lower = {lower}, upper = {upper}: lower must be below upper")
     if is_angle and all(abs(value) > 8.0 * math.pi for value in first.values()):
-        warnings.warn(
+        warn(
             f"{title}: add_limit: {', '.join(f'{k} = {v} rad' for k, v in given.items())}: angles are in "
-            f"radians; write 90 * stark.deg if degrees are meant",
-            StarkWarning,
-            stacklevel=3,
+            f"radians; write 90 * stark.deg if degrees are meant"
         )
     return given

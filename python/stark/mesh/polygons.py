@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stark.errors import StarkWarning
+from stark.caller import warn
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -46,11 +45,9 @@ def triangulated(vertices: Any, counts: Any, corners: Any, title: Callable[[int]
                 triangles[rows[k] : rows[k] + size - 2] = outline[cut]
     if bad:
         others = f" ({len(bad)} polygons, this is the first)" if len(bad) > 1 else ""
-        warnings.warn(
+        warn(
             f"{title(min(bad))}: the polygon crosses itself or has no area{others}: cut into a fan, which "
-            f"may leave its outline; triangulate it in the program that wrote the file",
-            StarkWarning,
-            stacklevel=2,
+            f"may leave its outline; triangulate it in the program that wrote the file"
         )
     return triangles
 

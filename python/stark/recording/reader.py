@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import warnings
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -15,7 +14,7 @@ import numpy as np
 
 from ..arguments import given_path
 from ..array_file import DamageError, read_arrays
-from ..errors import StarkWarning
+from ..caller import warn
 from ..files import read_text, resolved
 from ..telemetry import Telemetry, TelemetryError
 from .chain import ARRAY
@@ -362,7 +361,7 @@ class Recording:
 
         frame = self.frame(self.nearest(time))
         if message := self.beyond(time):
-            warnings.warn(f"still: {message}", StarkWarning, stacklevel=2)
+            warn(f"still: {message}")
         return render(frame, **options)
 
 

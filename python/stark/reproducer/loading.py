@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ import numpy as np
 from stark._core import InvalidArgument
 from stark.arguments import given_path
 from stark.array_file import DamageError, check_format, read_arrays
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.scene import Scene
 from stark.simulation import Simulation
 
@@ -40,9 +39,7 @@ def load(path: str | PathLike[str]) -> Simulation:
         raise ReproducerError(f"{owner} is damaged ({error}); write it again") from error
     if header["missing"]:
         lost = ", ".join(row["what"] for row in header["missing"])
-        warnings.warn(
-            f"{owner}: without {lost}: formulas that could not be written", StarkWarning, stacklevel=2
-        )
+        warn(f"{owner}: without {lost}: formulas that could not be written")
     return sim
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 import weakref
 from collections.abc import Callable, Mapping
 from functools import cached_property
@@ -14,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import Error, InvalidArgument
 from stark.arguments import given_flag
 from stark.attributes import AnsweredAttributes
+from stark.caller import warn
 from stark.courses import TimeValue, at_start, set_courses
-from stark.errors import StarkWarning
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Actuator, Joint
 from stark.readings import reading
@@ -281,12 +280,10 @@ class Drives(AnsweredAttributes):
             if lower - _LIMIT_ROUNDING <= target <= upper + _LIMIT_ROUNDING or k in self._warned_of:
                 continue
             self._warned_of.add(k)
-            warnings.warn(
+            warn(
                 f"{self._title}: target of '{self._joints[k]}' = {target:.6g} is beyond its limits, "
                 f"{lower:.6g} to {upper:.6g}: the servo presses it against its stop; give targets within "
-                f"robot.limits",
-                StarkWarning,
-                stacklevel=5,  # where it was assigned, or add_servos was called
+                f"robot.limits"
             )
 
     def _require_value(self, name: str) -> None:
@@ -399,7 +396,7 @@ def add_drives(
         actuators = _added(
             robot, kind, dict(zip(names, (a.joint for a in axes), strict=True)), first - shifts, columns
         )
-    robot._scene._warn_of_late(f"robot '{robot.name}': a group of {kind}", stacklevel=4)
+    robot._scene._warn_of_late(f"robot '{robot.name}': a group of {kind}")
     drives = Drives(robot, kind, rows, actuators, shifts)
     if target is not None:
         drives._assign("target", target)  # cuts efforts, follows functions, warns of limits
@@ -434,11 +431,9 @@ def _warn_of_friction(robot: DrivenRobot, owner: str, caps: Mapping[str, float])
         if 0.0 < caps[joint.name] <= joint.friction
     ]
     if stuck:
-        warnings.warn(
+        warn(
             f"{owner}: the cap is not above the dry friction of the file [N m, N]: the drive alone does not "
-            f"move {', '.join(stuck)}; give a larger cap=, or correct the friction",
-            StarkWarning,
-            stacklevel=4,
+            f"move {', '.join(stuck)}; give a larger cap=, or correct the friction"
         )
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from stark._core import InvalidArgument
 from stark.arguments import given_choice, given_flag, given_name
-from stark.errors import StarkWarning
+from stark.caller import warn
 from stark.handle import SceneLink
 from stark.named import NamedTuple
 from stark.rotations import Vec3Like, as_matrix, vector
@@ -97,9 +96,9 @@ class SceneRobots(SceneLink):
         with self._whole_or_not(), self._adding_a_whole():
             built = build(self, description, options)
             self._robots.append(built)
-        self._warn_of_late(owner, stacklevel=3)
+        self._warn_of_late(owner)
         for finding in built.report.warnings:
-            warnings.warn(f"{built.report.source}: {finding}", StarkWarning, stacklevel=2)
+            warn(f"{built.report.source}: {finding}")
         return built
 
     @property
