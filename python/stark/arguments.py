@@ -62,8 +62,8 @@ def real_array(value: Any, what: str) -> NDArray[np.float64]:
     """An array of float64 of any shape; InvalidArgument for what is not made of real numbers."""
     array = as_array(value, what)
     try:
-        if array.dtype.kind not in "biufO":
-            raise TypeError
+        if array.dtype.kind not in "biufO" or (array.dtype.kind == "O" and None in array.ravel().tolist()):
+            raise TypeError  # None would become NaN, which nobody gave
         return array.astype(np.float64)
     except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(f"{what} = {value!r}: must be of real numbers") from None
@@ -99,6 +99,15 @@ def given_word(value: Any, what: str) -> str:
     if not isinstance(value, str):
         raise InvalidArgument(f"{what} = {value!r}: must be a text")
     return value
+
+
+def given_coordinate(value: Any, what: str) -> str:
+    """A coordinate of a joint, by name: "" for None, which is its only one."""
+    if value is not None and not isinstance(value, str):
+        raise InvalidArgument(
+            f"{what} = {value!r}: must be the name of a coordinate, such as 'angle', or None"
+        )
+    return value or ""
 
 
 def given_choice(value: Any, known: tuple[str, ...], what: str) -> str:

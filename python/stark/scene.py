@@ -12,7 +12,7 @@ import numpy as np
 from stark import _core
 from stark._core import InvalidArgument
 from stark.actuators.scene_actuators import SceneActuators
-from stark.arguments import refuse_copy
+from stark.arguments import given_name, refuse_copy
 from stark.attachments.scene_attachments import SceneAttachments
 from stark.attributes import AnsweredAttributes
 from stark.bodies.body import Body
@@ -20,6 +20,7 @@ from stark.bodies.friction import FrictionTable
 from stark.bodies.layers import Layer
 from stark.bodies.locking import thin_warnings
 from stark.bodies.restitution import RestitutionTable
+from stark.bodies.rings import ring_warnings
 from stark.bodies.scene_bodies import SceneBodies
 from stark.bodies.unfolding import unfolding_warnings
 from stark.joints.joined_ends import joined_ends_warnings
@@ -71,7 +72,7 @@ class Scene(
     }
 
     def __init__(self, name: str = "scene") -> None:
-        self.name = name
+        self.name = given_name(name) or "scene"
         self._core = RecordedScene()
         self._bodies = []
         self._ghosts = []
@@ -202,6 +203,7 @@ class Scene(
             *thin_warnings(self._bodies, self._energies, self._attachments),
             *unfolding_warnings(self._bodies),
             *joined_ends_warnings(self._core, self._joints, settings),
+            *ring_warnings(self._bodies, self._joints, self._attachments),
             *self._twin_warnings(),
         ]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import real_number
+from stark.arguments import given_coordinate, real_number
 from stark.courses import TimeValue, at_start, set_courses
 from stark.handle import Handle, SceneLink, SimulationLink
 from stark.joints.other_names import ELSEWHERE
@@ -55,7 +55,7 @@ class JointActuators(Handle):
     ) -> Actuator:
         """Adds an actuator of any kind: the name of a built-in one or a function with ``@stark.actuator``;
         ``values`` are those that the kind has, numbers or functions of the time [s]."""
-        on = self if coordinate is None else (self, coordinate)
+        on = self, given_coordinate(coordinate, f"{self._title}: add_actuator: coordinate")
         added: Actuator = self._scene.add_actuator(kind, on, name=name, enabled=enabled, **values)
         return added
 
@@ -142,18 +142,25 @@ class JointActuators(Handle):
         """Couples two joints: this coordinate = ``ratio`` times that of ``other`` + ``offset``; held within
         the tolerances of joints. Gears, belts, racks, mimic joints; two coordinates of one cylindrical joint
         make a screw. Raises InvalidArgument where both are the same one."""
+        title = f"{self._title}: add_gear"
+        coordinate = given_coordinate(coordinate, f"{title}: coordinate")
+        other_coordinate = given_coordinate(other_coordinate, f"{title}: other_coordinate")
         if self._is_geared_to_itself(other, coordinate, other_coordinate):
             raise InvalidArgument(
-                f"{self._title}: add_gear: both coordinates are the same one: must be two; give another "
+                f"{title}: both coordinates are the same one: must be two; give another "
                 "joint, or coordinate= and other_coordinate= of this one"
             )
-        on = [(self, coordinate or ""), (other, other_coordinate or "")]
         gear: Actuator = self._scene.add_actuator(
-            "gear", on, name=name, enabled=enabled, ratio=ratio, offset=offset
+            "gear",
+            [(self, coordinate), (other, other_coordinate)],
+            name=name,
+            enabled=enabled,
+            ratio=ratio,
+            offset=offset,
         )
         return gear
 
-    def _is_geared_to_itself(self, other: Any, coordinate: str | None, other_coordinate: str | None) -> bool:
+    def _is_geared_to_itself(self, other: Any, coordinate: str, other_coordinate: str) -> bool:
         if not isinstance(other, Joint) or other._scene is not self._scene or other._index != self._index:
             return False
         return len(other._coordinates) == 1 or coordinate == other_coordinate
