@@ -91,9 +91,11 @@ class Settings:
 
     def update(self, values: Mapping[str, Any]) -> None:
         """Assigns all entries by name, or none when one is refused. Groups may be nested mappings."""
-        changed = self._core.copy()
+        changed, groups = self._core.copy(), _groups(self.names())
         for name, value in values.items():
-            if isinstance(value, Mapping):
+            if isinstance(value, Mapping) and name not in _defaults() and name not in _SHORT:
+                if not value and name not in groups:
+                    _assign(changed, name, value)
                 for inner, inner_value in value.items():
                     _assign(changed, f"{name}.{inner}", inner_value)
             else:

@@ -106,3 +106,17 @@ def test_vectors_are_not_nested(value: object) -> None:
     """They were taken number by number."""
     with pytest.raises(stark.InvalidSetting, match=r"gravity = .*: must be three numbers"):
         stark.Settings(gravity=value)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["gravity", "threads", "time_step", "contact_distance", "time.step"])
+@pytest.mark.parametrize("value", [{}, {"x": 1.0}])
+def test_a_setting_is_no_group(name: str, value: object) -> None:
+    """An empty group was taken and left the default."""
+    with pytest.raises(stark.InvalidSetting, match=r"(time|contact|execution|gravity)\S* = '.*': must be"):
+        stark.Settings(**{name: value})
+
+
+def test_an_empty_group_must_be_one() -> None:
+    assert stark.Settings(newton={}).changed() == {}
+    with pytest.raises(stark.InvalidSetting, match="unknown setting 'newtn'"):
+        stark.Settings(newtn={})
