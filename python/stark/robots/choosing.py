@@ -28,6 +28,8 @@ def chosen_rows(
             f"{owner}: joints = {joints!r}: must be the name of a joint or a group, a pattern, or a list of "
             f"them"
         )
+    if len(given) == 0:
+        raise InvalidArgument(f"{owner}: joints = {joints!r}: must be at least one; leave it out for all")
     rows: list[int] = []
     for pattern in [name for part in given for name in groups.get(str(part), (part,))]:
         found = [k for k, name in enumerate(names) if fnmatch.fnmatchcase(name, str(pattern))]

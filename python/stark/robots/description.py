@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NoReturn, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -297,7 +297,7 @@ class RobotDescription:
         self.report: Report = Report(f"description '{name}'") if report is None else report
         self.base: str = given_choice(base, ("fixed", "floating"), f"{self.report.source}: base")
         """What the file says of its base: "fixed" or "floating"."""
-        self.placement: tuple[Floats, Floats] = (_origin(), _unturned()) if placement is None else placement
+        self.placement: tuple[Floats, Floats] = _placed(placement, f"{self.report.source}: placement")
         """Where the file places the base: position (3,) [m] and rotation (3, 3)."""
         self.links: dict[str, Link] = _by_name("link", links, self.report.source)
         by_name = _by_name("joint", joints, self.report.source)
@@ -307,7 +307,7 @@ class RobotDescription:
         self.outwards: tuple[RobotJoint, ...] = tuple(self.joints.values())
         """The same, from the root to the tips."""
         self._coordinates = tuple(j.name for j in self.outwards if j.is_moving and j.mimic is None)
-        self.excluded: tuple[tuple[str, str], ...] = tuple(excluded)
+        self.excluded: tuple[tuple[str, str], ...] = _pairs(excluded, f"{self.report.source}: excluded")
         """Pairs of links that do not touch, beside those that a joint connects."""
         self.flexes: dict[str, Flex] = _by_name("flex", flexes, self.report.source)
         """Deformable parts by name."""
@@ -465,3 +465,23 @@ def _by_name(what: str, rows: Iterable[_Part], source: str) -> dict[str, _Part]:
             )
         found[row.name] = row
     return found
+
+
+def _placed(placement: Any, what: str) -> tuple[Floats, Floats]:
+    if placement is None:
+        return _origin(), _unturned()
+    if not isinstance(placement, (tuple, list)) or len(placement) != 2:
+        raise InvalidArgument(f"{what} = {placement!r}: must be (position (3,) [m], rotation (3, 3))")
+    return vector(placement[0], f"{what}: position"), as_matrix(placement[1], f"{what}: rotation")
+
+
+def _pairs(excluded: Any, what: str) -> tuple[tuple[str, str], ...]:
+    pairs = (
+        tuple(excluded) if isinstance(excluded, Iterable) and not isinstance(excluded, str) else (excluded,)
+    )
+    for pair in pairs:
+        if not isinstance(pair, (tuple, list)) or len(pair) != 2 or not all(isinstance(x, str) for x in pair):
+            raise InvalidArgument(
+                f"{what} = {excluded!r}: must be pairs of names of links, as [('wrist', 'base')]"
+            )
+    return tuple((a, b) for a, b in pairs)

@@ -125,3 +125,28 @@ def test_lists_and_quaternions_are_arrays() -> None:
     handle = stark.Scene().add_robot(robot, base="floating")
     assert handle.bodies[0].center_of_mass.tolist() == [0, 0, -0.1]
     np.testing.assert_array_equal(shape.rotation, np.diag([1, -1, -1]))
+
+
+@pytest.mark.parametrize(
+    "placement",
+    [0, (1.0, 2.0, 3.0), "ab", np.eye(4), ((0, 0), np.eye(3)), ((0, 0, 0), np.eye(2)), ((0, 0, 0), 5.0)],
+)
+def test_a_placement_of_another_shape_is_named(placement: object) -> None:
+    """It was found by NumPy, where the robot was added, or not at all."""
+    with pytest.raises(stark.InvalidArgument, match="description 'odd': placement"):
+        described(hinge(0), placement=placement)
+
+
+@pytest.mark.parametrize(
+    "excluded", [5, "ab", [5], ["ab"], [("base",)], [("base", "link_0", "base")], [("base", 1)]]
+)
+def test_excluded_pairs_of_another_shape_are_named(excluded: object) -> None:
+    with pytest.raises(
+        stark.InvalidArgument, match=r"description 'odd': excluded = .*: must be pairs of names"
+    ):
+        described(hinge(0), excluded=excluded)
+
+
+def test_placements_and_pairs_may_be_lists() -> None:
+    made = described(hinge(0), placement=[(0, 0, 1), None], excluded=[["base", "link_0"]])
+    assert made.placement[0].tolist() == [0, 0, 1] and made.excluded == (("base", "link_0"),)

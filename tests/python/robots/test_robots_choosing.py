@@ -19,7 +19,10 @@ def test_names_patterns_and_groups_in_the_order_that_they_are_given() -> None:
     assert chosen_rows("arm", ["right*", "elbow", "*_slide"], NAMES, {}) == [3, 1, 2]
     assert chosen_rows("arm", ("all", "turn"), NAMES, {"all": ("elbow", "turn")}) == [1, 0]
     assert chosen_rows("arm", np.array(["elbow", "turn"]), NAMES, {}) == [1, 0]  # type: ignore[arg-type]
-    assert chosen_rows("arm", [], NAMES, {}) == []
+    with pytest.raises(
+        stark.InvalidArgument, match=r"arm: joints = \[\]: must be at least one; leave it out"
+    ):
+        chosen_rows("arm", [], NAMES, {})  # a selection that found nothing would drive nothing
     with pytest.raises(stark.InvalidArgument, match=r"arm: joints = 'wheel_\*': must be the name or pattern"):
         chosen_rows("arm", "wheel_*", NAMES, {})
 
