@@ -76,6 +76,8 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """Starts an episode; the same ``seed`` gives the same one, whatever was before. Costs less than a
         step, as nothing is built again; a task with ``randomise`` gets another ``sim``. ``options`` become
         those of the task."""
+        if options is not None and not isinstance(options, Mapping):
+            raise TaskError(f"task '{self.task.name}': reset: options = {options!r}: must be a dictionary")
         super().reset(seed=seed)
         self.task._take_options(dict(options or {}))
         if self.task.is_randomised:

@@ -18,6 +18,11 @@ def vector(maker: Callable[..., Any], count: int, **arguments: Any) -> AsyncVect
     module. An environment that has ended starts again with the next step.
 
     ``envs.reset(seed=7)`` gives environment k the seed 7 + k. Close it in the end: ``envs.close()``."""
+    if not callable(maker):
+        raise TaskError(
+            f"vector: maker = {maker!r}: must be a class or function that makes an environment, as each "
+            f"process makes its own"
+        )
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
         raise TaskError(f"vector: count = {count!r}: must be an integer >= 1")
     makers = [functools.partial(maker, **arguments)] * count

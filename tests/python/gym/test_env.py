@@ -288,3 +288,9 @@ def test_options_of_a_reset_are_those_of_the_task(tmp_path: Path) -> None:
     env.reset(seed=1, options={})
     with pytest.raises(TaskError, match=r"options = \{'start': 0\.25\}: must be none"):
         env.reset(options={"start": 0.25})
+
+
+def test_options_of_a_reset_are_a_dictionary() -> None:
+    env = stark.gym.DragCloth()
+    with pytest.raises(stark.gym.TaskError, match="reset: options = 5: must be a dictionary"):
+        env.reset(seed=1, options=5)  # type: ignore[arg-type]

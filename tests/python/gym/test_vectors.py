@@ -28,3 +28,8 @@ def test_counts_are_checked() -> None:
     for count in (0, -1, True, 1.5):
         with pytest.raises(TaskError, match="must be an integer >= 1"):
             vector(DragCloth, count)  # type: ignore[arg-type]
+
+
+def test_an_environment_is_no_maker_of_environments() -> None:
+    with pytest.raises(TaskError, match=r"vector: maker = .*: must be a class or function that makes"):
+        vector(DragCloth(), 2)  # type: ignore[arg-type]
