@@ -42,7 +42,7 @@ def test_what_is_no_number_is_refused(tmp_path: Path, value: Any) -> None:
     with Recorder(tmp_path / "run", sim) as recorder:
         recorder.record(sim)
         step = sim.step()
-        with pytest.raises(stark.InvalidArgument, match=r"measured\['a'\] = .*: must be a number; NaN"):
+        with pytest.raises(stark.InvalidArgument, match=r"measured\['a'\] = .*: must be a finite number"):
             recorder.report(step, measured={"a": value})
         recorder.report(step, measured={"a": 1.0})  # nothing was written
     assert Recording(tmp_path / "run").telemetry["measured.a"].tolist() == [1.0]
@@ -94,7 +94,7 @@ def test_runs_refuse_infinite_numbers_and_keep_nan(tmp_path: Path, capsys: Any, 
     (tmp_path / "s.py").write_text(SCENE)
     given = ["--option", f"what={function}", "--out", str(tmp_path / "out"), "--quiet"]
     assert main(["run", str(tmp_path / "s.py"), "--option", "value=inf", *given]) == 2
-    assert f"{function}() returned 'x' = inf; must be a number" in capsys.readouterr().err
+    assert f"{function}() returned 'x' = inf; must be a finite number" in capsys.readouterr().err
     assert main(["run", str(tmp_path / "s.py"), "--option", "value=nan", *given]) == 0
     run = Recording(tmp_path / "out")
     found = run.manifest["summary"]["observables"]["x"], run.telemetry["measured.x"][-1]

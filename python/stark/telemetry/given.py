@@ -12,7 +12,7 @@ from .._core import InvalidArgument
 from ..arguments import shown_value
 
 #: What a number to be recorded must be.
-RULE = "must be a number; NaN where there is none"
+RULE = "must be a finite number; NaN where there is none"
 
 
 def given_number(value: Any) -> float:
