@@ -333,3 +333,25 @@ def test_motions_may_be_pickled_and_copied(given: motion.Motion) -> None:
     for same in (pickle.loads(pickle.dumps(given)), copy.deepcopy(given)):
         assert repr(same) == repr(given) and same.duration == given.duration
         assert all(np.array_equal(same(t), given(t)) for t in (0.0, 0.21, 0.7, 3.0))
+
+
+def test_a_function_that_forgets_to_return_is_named() -> None:
+    """None became NaN, and the message spoke of a shape."""
+    scene = stark.Scene()
+    box = scene.add_box(0.1, motion="scripted")
+    with pytest.raises(stark.InvalidArgument, match=r"at 0 s = None: must be of real numbers"):
+        box.follow(position=lambda t: None)  # type: ignore[arg-type,return-value]
+    axle = scene.add_hinge(None, scene.add_box(0.1, mass=1.0, position=(1, 0, 0)), anchor=(1, 0, 0), axis="z")
+    with pytest.raises(stark.InvalidArgument, match=r"at 0 s = None: must be of real numbers"):
+        axle.add_effort(lambda t: None)  # type: ignore[arg-type,return-value]
+
+
+def test_following_no_pin_is_refused() -> None:
+    """It moved nothing, with a warning of NumPy about an empty mean."""
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=2), pins=[0, 2])
+    for nothing in ([], np.zeros(9, dtype=bool), np.zeros(0, dtype=int)):
+        with pytest.raises(
+            stark.InvalidArgument, match=r"'cloth': follow: vertices = .*: must be at least one"
+        ):
+            cloth.follow(displacement=lambda t: (0.0, 0.0, t), vertices=nothing)

@@ -272,6 +272,10 @@ def _pin_rows(body: PinnedBody, vertices: ArrayLike | None) -> NDArray[np.intp]:
         return np.arange(len(pins))
     chosen = np.atleast_1d(as_array(vertices, f"'{body.name}': follow: vertices"))
     count = len(body._scene._core.initial_positions(body._index))
+    if chosen.size == 0 or (chosen.dtype == bool and len(chosen) == count and not chosen.any()):
+        raise InvalidArgument(
+            f"'{body.name}': follow: vertices = {vertices!r}: must be at least one; leave it out for all pins"
+        )
     if chosen.dtype.kind not in "biuf" or chosen.ndim != 1 or (chosen.dtype == bool and len(chosen) != count):
         raise InvalidArgument(
             f"'{body.name}': follow: vertices = {shown_value(vertices)}: must be indices of pinned vertices, "
