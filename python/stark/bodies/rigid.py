@@ -28,6 +28,11 @@ class RigidBody(InertialSensors, Body, MovingSurface):
     kind = "rigid"
     _elsewhere: ClassVar[Mapping[str, str]] = {
         **Body._elsewhere,
+        "density": "body.mass [kg]; density= is given where the body is added",
+        **dict.fromkeys(
+            ("youngs_modulus", "poisson_ratio", "thickness"),
+            "scene.add_solid or add_cloth for what deforms: a rigid body has none",
+        ),
         "material": "mass= or density= where it is added; scene.friction, restitution and stark.Surface say "
         "how it touches",
     }

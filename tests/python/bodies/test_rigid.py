@@ -130,3 +130,14 @@ def test_what_is_shown_touches_nothing_and_moves_along(tmp_path: Path) -> None:
     assert len(values["box"]) == len(ball.vertices)
     with pytest.raises(stark.InvalidArgument, match="rigid body 'odd': shown"):
         scene.add_box(0.1, mass=1.0, name="odd", shown=3)
+
+
+def test_what_a_rigid_body_has_not_is_not_sought_in_its_material() -> None:
+    """It has none: the hint was to write body.material."""
+    box = stark.Scene().add_box(0.1, density=100.0)
+    with pytest.raises(
+        AttributeError, match=r"no attribute 'density': write body.mass \[kg\]; density= is given"
+    ):
+        print(box.density)
+    with pytest.raises(AttributeError, match=r"no attribute 'thickness': write scene.add_solid or add_cloth"):
+        print(box.thickness)
