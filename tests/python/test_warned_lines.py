@@ -1,10 +1,10 @@
-"""Every warning points to the line of the user that it is about, whatever function of the package it passed."""
+"""Every warning points to the line of the user that it is about, however deep it was found."""
 
 import warnings
 from pathlib import Path
 
-import numpy as np
 import pytest
+
 import stark
 
 ROOT = Path(__file__).parents[2]
