@@ -107,6 +107,15 @@ def check_points(points: Any, owner: str) -> Points:
     return points
 
 
+def depth_of(points: Points, normal: Floats) -> tuple[float, float]:
+    """How far points are apart along a normal at time 0, and how far those of their body are apart [m]."""
+    body: Any = points.body
+    if body is None or len(points) == 0:  # refused by what adds them
+        return 0.0, 0.0
+    places = body._scene._core.initial_positions(body._index)
+    return float(np.ptp(points.positions @ normal)), float(np.linalg.norm(np.ptp(places, axis=0)))
+
+
 def stiffness_of(points: Points, normal: Floats, owner: str) -> float:
     """[N/m] of the support of a point: a thousand times that of a cell of its body, along the normal."""
     body: Any = points.body

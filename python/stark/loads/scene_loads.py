@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from stark._core import InvalidArgument
+from stark.arguments import real_number
 from stark.bodies import Body, RigidBody
+from stark.caller import warn
 from stark.courses import TimeValue, at_start, set_courses
 from stark.handle import SceneLink
 from stark.selections import FrameHandle, Points, Stencils
@@ -16,6 +18,9 @@ from stark.selections import FrameHandle, Points, Stencils
 if TYPE_CHECKING:
     from stark.formulas.handle import Energy
     from stark.loads.closed_surface import ClosedSurface
+
+#: Points of a plane of symmetry are no farther apart along its normal, over the size of their body.
+_OF_ONE_PLANE = 1e-3
 
 
 class SceneLoads(SceneLink):
@@ -99,6 +104,14 @@ class SceneLoads(SceneLink):
         from stark.loads import fillings
 
         inside, owner = _inside(surface, "gas", name)
+        given = {"pressure": pressure, "outside": outside, "exponent": exponent}
+        for what, value in given.items():
+            if callable(value):
+                raise InvalidArgument(
+                    f"{owner}: {what} = {value!r}: must be a number, that at time 0; amount= may be a "
+                    f"function of the time"
+                )
+            real_number(value, f"{owner}: {what}")
         absolute = outside + pressure
         if not absolute > 0.0:
             raise InvalidArgument(
@@ -241,8 +254,15 @@ class SceneLoads(SceneLink):
         energy that is called as the handle, with "slopes"."""
         from stark.loads import rollers
 
+        owner = "symmetry" if name is None else f"symmetry '{name}'"
+        direction = rollers.unit_normal(normal, owner)
+        depth, size = rollers.depth_of(rollers.check_points(points, owner), direction)
+        if depth > _OF_ONE_PLANE * size:
+            warn(
+                f"{owner}: its points are {depth:.3g} m apart along the normal: must lie in one plane of "
+                f"symmetry; choose those of the cut, or take scene.add_rollers for several planes"
+            )
         load = self.add_rollers(points, normal, stiffness=stiffness, name=name)
-        direction = rollers.unit_normal(normal, load.name)
         held = rollers.slopes_at(points, direction)
         if held is not None:
             triangles, start, turning = held

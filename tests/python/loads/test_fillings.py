@@ -236,3 +236,14 @@ def test_bad_fillings_are_refused() -> None:
         scene.add_liquid(ball, bulk_modulus=0.0)
     with pytest.raises(stark.InvalidArgument, match="filling"):
         scene.add_liquid(ball, -1.0)
+
+
+@pytest.mark.parametrize("value", [None, "x", [1.0, 2.0], (), {}, lambda t: 1e5])
+@pytest.mark.parametrize("name", ["pressure", "outside", "exponent"])
+def test_numbers_of_a_gas_are_numbers(name: str, value: Any) -> None:
+    """They were added to others first: a TypeError of Python."""
+    scene = stark.Scene()
+    ball = scene.add_cloth(stark.mesh.sphere(0.1, 1), limp())
+    with pytest.raises(stark.InvalidArgument, match=rf"gas: {name} = .*: must be a number"):
+        scene.add_gas(ball, **{name: value})
+    assert not scene.energies

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -230,3 +231,20 @@ def test_sheets_of_narrow_cells_take_the_force_of_their_law() -> None:
     sim = stark.Simulation(scene, time_step=1.0, **STILL)
     assert not sim.step().failed
     assert end.forces.sum(axis=(0, 1))[0] == pytest.approx(E * stuff.thickness * 1e-3, rel=4e-3)
+
+
+def test_points_of_a_plane_of_symmetry_lie_in_one() -> None:
+    """A mask that finds too much held both sides of the body, silently."""
+    scene = stark.Scene()
+    soft = scene.add_solid(stark.mesh.tet_box(0.1, 2), RUBBER)
+    with pytest.warns(
+        stark.StarkWarning, match="symmetry: its points are 0.1 m apart along the normal: must"
+    ):
+        scene.add_symmetry(soft.vertices, "x")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene.add_symmetry(soft.vertices[soft.mesh.vertices[:, 0] < -0.0499], "x")
+    with pytest.raises(stark.InvalidArgument, match=r"symmetry: points = .*: must be points of a body"):
+        scene.add_symmetry(soft, "x")  # type: ignore[arg-type]
+    with pytest.raises(stark.InvalidArgument, match=r"symmetry 'cut': normal = 'up': must be"):
+        scene.add_symmetry(soft.vertices[[0]], "up", name="cut")
