@@ -29,10 +29,11 @@ def location_text(filename: str, line: int, function: str) -> str:
 def definition_of(function: Callable[..., object]) -> str:
     """Where a function is defined."""
     code = function.__code__
-    # The first line may be a decorator.
-    line = code.co_firstlineno
+    # The first line may be a decorator; that of a lambda is its own, and the next def is another function.
+    line, name = code.co_firstlineno, code.co_name
+    heads = (f"def {name}(", f"async def {name}(")
     for number in range(line, line + 20):
-        if linecache.getline(code.co_filename, number).lstrip().startswith(("def ", "async def ")):
+        if linecache.getline(code.co_filename, number).lstrip().startswith(heads):
             line = number
             break
     return location_text(code.co_filename, line, code.co_name)

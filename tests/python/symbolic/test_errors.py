@@ -292,3 +292,16 @@ def test_bad_calls(name: str) -> None:
 def test_trace_error_is_an_invalid_argument() -> None:
     assert issubclass(stark.TraceError, stark.InvalidArgument)
     assert stark.TraceError.__module__ == "stark"
+
+
+def test_the_line_of_a_lambda_is_its_own() -> None:
+    """The next `def` was named and quoted in its place."""
+    formula = [lambda p: p]  # here
+
+    def other(p: stark.Point) -> None: ...
+
+    with pytest.raises(stark.TraceError, match="has no annotation") as found:
+        stark.energy(formula[0])
+    line = inspect.getsourcelines(test_the_line_of_a_lambda_is_its_own)[1] + 2
+    assert f"line {line}, in <lambda>\n    formula = [lambda p: p]  # here" in str(found.value)
+    assert other is not None
