@@ -238,9 +238,9 @@ class Recording:
 
     def body_index(self, body: str | int) -> int:
         """Index of a body given by name or index."""
-        if isinstance(body, int):
+        if isinstance(body, (int, np.integer)):
             if 0 <= body < len(self.bodies):
-                return body
+                return int(body)
             raise RecordingError(f"'{self.folder}' has {len(self.bodies)} bodies, no body {body}")
         names = [entry.name for entry in self.bodies]
         if body not in names:
@@ -254,7 +254,7 @@ class Recording:
     def positions(self, body: str | int, frames: slice | int = slice(None)) -> np.ndarray:
         """Positions of a body in the world [m]: (n, 3) for one frame, (frames, n, 3) for a slice, float32."""
         which = self.body_index(body)
-        if isinstance(frames, int):
+        if not isinstance(frames, slice):
             return self._positions_at(which, self._frame_index(frames)).copy()
         indices = range(*frames.indices(len(self)))
         if not indices:
@@ -263,9 +263,11 @@ class Recording:
 
     def _frame_index(self, index: int) -> int:
         count = len(self)
+        if not isinstance(index, (int, np.integer)):
+            raise RecordingError(f"'{self.folder}': frame = {index!r}: must be a whole number or a slice")
         if not -count <= index < count:
             raise RecordingError(f"'{self.folder}' has {count} frames, no frame {index}")
-        return index % count
+        return int(index) % count
 
     def _positions_at(self, which: int, index: int) -> np.ndarray:
         chunk, row = self._place_of(index)

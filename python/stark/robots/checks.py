@@ -115,7 +115,7 @@ def refuse_impossible(source: str, names: Iterable[str], inertia: Inertia) -> No
     if (problem := impossible(inertia)) is not None:
         links = ", ".join(f"'{name}'" for name in names)
         raise InvalidArgument(
-            f"{source}: link {links}: {problem}; correct <inertial>, or give "
+            f"{source}: link {links}: {problem}; correct the file, or give "
             f"inertias={{link: (mass, centre of mass, tensor about it)}}"
         )
 

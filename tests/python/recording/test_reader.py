@@ -32,6 +32,20 @@ def test_frames_come_back_as_float32(tmp_path: Path, steps: int) -> None:
     assert np.array_equal(run.positions(0, -1), run.frame(-1).bodies[0].positions)
 
 
+def test_frames_and_bodies_by_numbers_of_numpy(tmp_path: Path) -> None:
+    """As argmax gives them: an AttributeError, and no body '0'."""
+    run = record(tmp_path / "run", 5)
+    last = run.times.argmax()
+    assert np.array_equal(run.positions("cloth", last), run.positions("cloth", 5))
+    assert np.array_equal(run.positions(np.int64(0), np.int32(-1)), run.positions(0, -1))
+    assert run.frame(last).index == 5 and type(run.frame(last).index) is int
+    for wrong in (0.5, "a", None, [0, 1]):
+        with pytest.raises(RecordingError, match=r"frame = .*: must be a whole number or a slice"):
+            run.positions("cloth", wrong)  # type: ignore[arg-type]
+        with pytest.raises(RecordingError, match=r"frame = .*: must be a whole number"):
+            run.frame(wrong)  # type: ignore[arg-type]
+
+
 def test_what_is_read_is_not_changed_by_what_is_done_with_it(tmp_path: Path) -> None:
     run = record(tmp_path / "run", 5)
     for read in (
