@@ -246,6 +246,8 @@ def _refuse_text(name: str, default: Any, text: str) -> None:
 def _assign(core: _core.Settings, name: str, value: Any) -> None:
     if not isinstance(name, str):
         return core.assign(name, value)
+    if isinstance(value, np.bool_):  # as comparisons of NumPy give it
+        value = bool(value)
     default = _defaults().get(_SHORT.get(name, name))
     if isinstance(value, str) and default is not None and not isinstance(default, str):
         _refuse_text(name, default, value)

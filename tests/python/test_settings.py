@@ -120,3 +120,11 @@ def test_an_empty_group_must_be_one() -> None:
     assert stark.Settings(newton={}).changed() == {}
     with pytest.raises(stark.InvalidSetting, match="unknown setting 'newtn'"):
         stark.Settings(newtn={})
+
+
+def test_switches_of_numpy_are_switches() -> None:
+    """np.True_ was refused as 1: must be true or false."""
+    on, off = np.array([1.0, 0.0]) > 0.5
+    assert stark.Settings(contact={"friction": off, "enabled": on}).changed() == {"contact.friction": False}
+    with pytest.raises(stark.InvalidSetting, match=r"time\.step = true: must be > 0"):
+        stark.Settings(time_step=on)

@@ -6,6 +6,7 @@ import functools
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode
 
 from .task import TaskError
@@ -23,7 +24,7 @@ def vector(maker: Callable[..., Any], count: int, **arguments: Any) -> AsyncVect
             f"vector: maker = {maker!r}: must be a class or function that makes an environment, as each "
             f"process makes its own"
         )
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+    if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1:
         raise TaskError(f"vector: count = {count!r}: must be an integer >= 1")
-    makers = [functools.partial(maker, **arguments)] * count
+    makers = [functools.partial(maker, **arguments)] * int(count)
     return AsyncVectorEnv(makers, context="spawn", autoreset_mode=AutoresetMode.NEXT_STEP)

@@ -25,7 +25,7 @@ def test_processes_give_the_bits_of_this_one() -> None:
 
 
 def test_counts_are_checked() -> None:
-    for count in (0, -1, True, 1.5):
+    for count in (0, -1, True, 1.5, np.int64(0), np.float64(2.0)):
         with pytest.raises(TaskError, match="must be an integer >= 1"):
             vector(DragCloth, count)  # type: ignore[arg-type]
 
@@ -33,3 +33,10 @@ def test_counts_are_checked() -> None:
 def test_an_environment_is_no_maker_of_environments() -> None:
     with pytest.raises(TaskError, match=r"vector: maker = .*: must be a class or function that makes"):
         vector(DragCloth(), 2)  # type: ignore[arg-type]
+
+
+@pytest.mark.slow
+def test_counts_may_be_of_numpy() -> None:
+    envs = vector(DragCloth, np.int64(1))  # type: ignore[arg-type]
+    assert envs.num_envs == 1
+    envs.close()
