@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import given_word
 from stark.attributes import own_names
 
 __all__ = ["Surface", "paper", "relative_pressure", "rigid", "rubber", "skin", "terry_towel"]
@@ -53,20 +54,22 @@ class Surface:
     """Part of the thickness that no pressure takes [m], as the fibres of a fabric; at most half of it."""
 
     def __post_init__(self) -> None:
+        given_word(self.name, "surface: name")
         for field, unit in (("thickness", "m"), ("stiffness", "Pa"), ("core", "m")):
             value = getattr(self, field)
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
+            if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
                 raise InvalidArgument(
                     f"surface '{self.name}': {field} = {value!r}: must be a number in {unit}"
                 )
+            object.__setattr__(self, field, value := float(value))
             if field == "core" and not 0.0 <= value <= 0.5 * self.thickness:
                 raise InvalidArgument(
-                    f"surface '{self.name}': core = {value} m: must be between 0 and half of its thickness, "
+                    f"surface '{self.name}': core = {value:g} m: must be between 0 and half of its thickness, "
                     f"{0.5 * self.thickness} m"
                 )
             if field != "core" and not 0.0 < value < math.inf:
                 raise InvalidArgument(
-                    f"surface '{self.name}': {field} = {value} {unit}: must be positive and finite"
+                    f"surface '{self.name}': {field} = {value:g} {unit}: must be positive and finite"
                 )
 
     def replace(self, **changes: Any) -> Self:

@@ -69,6 +69,8 @@ def test_the_last_report_is_what_a_step_returns() -> None:
         ("kinematic", "give motion='scripted'"),  # and this for inertia
         ("static", "give motion='fixed'"),
         ("material", "give mass= or density="),
+        ("surface_velocity", r"assign it to the body: body\.surface_velocity = "),  # for velocity
+        ("center_of_mass", r"give inertia=\(mass, centre of mass"),
     ],
 )
 def test_words_of_other_simulators_for_rigid_bodies(word: str, hint: str) -> None:

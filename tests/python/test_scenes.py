@@ -152,3 +152,14 @@ def test_drop_names_the_extra_it_needs() -> None:
 def test_scene_lookup_suggests_names() -> None:
     with pytest.raises(stark.InvalidArgument, match="did you mean 'soft_drop'"):
         scenes.load("sof_drop")
+
+
+def test_an_end_may_be_a_number_of_numpy(tmp_path: Path) -> None:
+    """It was refused: must be a positive number."""
+    file = tmp_path / "short.py"
+    file.write_text(
+        "import numpy as np\nimport stark\nuntil = np.float32(0.5)\ndef build():\n    return stark.Scene()\n"
+    )
+    assert scenes.load(file).until == 0.5
+    file.write_text(file.read_text().replace("np.float32(0.5)", "np.int64(2)"))
+    assert scenes.load(file).until == 2.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stark
@@ -86,3 +87,13 @@ def test_what_is_no_surface_is_refused() -> None:
         stark.surfaces.rubber.replace(thickness=0)
     with pytest.raises(stark.InvalidArgument, match="contact_stiffness"):
         scene.add_box(0.1, mass=1.0, contact_stiffness=-1.0)
+
+
+def test_numbers_of_numpy_make_a_surface() -> None:
+    """Those that are no floats of Python were no numbers."""
+    surface = stark.Surface("foam", np.float32(0.5), np.int64(4000), "measured")
+    assert surface == stark.Surface("foam", 0.5, 4000.0, "measured") and type(surface.stiffness) is float
+    with pytest.raises(stark.InvalidArgument, match=r"stiffness = array\(.*: must be a number in Pa"):
+        stark.Surface("foam", 0.5, np.array([4e3, 5e3]), "measured")  # type: ignore[arg-type]
+    with pytest.raises(stark.InvalidArgument, match="surface: name = 5: must be a text"):
+        stark.Surface(5, 0.5, 4e3, "measured")  # type: ignore[arg-type]

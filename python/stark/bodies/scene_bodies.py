@@ -31,6 +31,11 @@ _OTHER_WORDS = {
     "pose": "; give position= and rotation=",
     **dict.fromkeys(("static", "fixed"), "; give motion='fixed'"),
     "kinematic": "; give motion='scripted'",
+    **{
+        word: f"; assign it to the body: body.{word} = ..."
+        for word in ("surface_velocity", "surface_spin", "surface_center", "surface_direction")
+    },
+    "center_of_mass": "; give inertia=(mass, centre of mass, tensor about it)",
 }
 
 

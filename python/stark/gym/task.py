@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable, Mapping
+from numbers import Real
 from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
@@ -210,11 +211,7 @@ def checked(task: Task) -> Task:
             raise TaskError(f"task '{task.name}': {name} must be a gymnasium.spaces.Box")
     for name in ("control_step", "until", "settle"):
         value, zero = getattr(task, name), name == "settle"
-        good = (
-            isinstance(value, (int, float))
-            and math.isfinite(value)
-            and (value > 0.0 or (zero and value == 0.0))
-        )
+        good = isinstance(value, Real) and math.isfinite(value) and (value > 0.0 or (zero and value == 0.0))
         if not good:
             rule = f"must be a number {'>=' if zero else '>'} 0 and finite"
             raise TaskError(f"task '{task.name}': {name} = {value!r} s: {rule}")

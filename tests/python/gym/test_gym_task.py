@@ -24,6 +24,7 @@ def task(**fields: Any) -> Task:
 
 def test_a_good_one_passes() -> None:
     assert checked(task(settle=0.0)).control_step == 0.05
+    assert checked(task(until=np.int64(2), settle=np.float32(0.5))).until == 2
 
 
 @pytest.mark.parametrize(
