@@ -64,8 +64,8 @@ class Surface:
             object.__setattr__(self, field, value := float(value))
             if field == "core" and not 0.0 <= value <= 0.5 * self.thickness:
                 raise InvalidArgument(
-                    f"surface '{self.name}': core = {value:g} m: must be between 0 and half of its thickness, "
-                    f"{0.5 * self.thickness} m"
+                    f"surface '{self.name}': core = {value:g} m: must be between 0 and half of its "
+                    f"thickness, {0.5 * self.thickness} m"
                 )
             if field != "core" and not 0.0 < value < math.inf:
                 raise InvalidArgument(

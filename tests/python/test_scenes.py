@@ -163,3 +163,48 @@ def test_an_end_may_be_a_number_of_numpy(tmp_path: Path) -> None:
     assert scenes.load(file).until == 0.5
     file.write_text(file.read_text().replace("np.float32(0.5)", "np.int64(2)"))
     assert scenes.load(file).until == 2.0
+
+
+CHECKED = """
+import numpy as np
+import stark
+
+until = 0.02
+
+
+def build():
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    return scene
+
+
+def check(run):
+    return VALUE
+"""
+
+
+@pytest.mark.parametrize("value", ["False", "np.float64(1.0) > 2.0"])
+def test_a_check_that_returns_false_has_failed(tmp_path: Path, value: str) -> None:
+    """It had passed."""
+    file = tmp_path / "checked.py"
+    file.write_text(CHECKED.replace("VALUE", value))
+    result = scenes.run(file, out=tmp_path / "run", replay=False, picture=False)
+    assert result.status == "wrong" and "check failed: it returned False; write assert" in result.message
+
+
+@pytest.mark.parametrize("value", ["None", "True", "np.zeros(3)", "0"])
+def test_what_else_a_check_returns_does_not_count(tmp_path: Path, value: str) -> None:
+    file = tmp_path / "checked.py"
+    file.write_text(CHECKED.replace("VALUE", value))
+    result = scenes.run(file, out=tmp_path / "run", replay=False, picture=False)
+    assert (result.status, result.message) == ("complete", "check passed")
+
+
+def test_ends_and_settings_of_a_run_are_checked(tmp_path: Path) -> None:
+    file = tmp_path / "checked.py"
+    file.write_text(CHECKED)
+    with pytest.raises(stark.InvalidArgument, match="run: until = 'x': must be a number"):
+        scenes.run(file, out=tmp_path / "run", until="x")  # type: ignore[arg-type]
+    with pytest.raises(scenes.SceneFileError, match="run: settings = 5; must be a dictionary"):
+        scenes.run(file, out=tmp_path / "run", settings=5)  # type: ignore[arg-type]
+    assert not (tmp_path / "run").exists()

@@ -13,7 +13,7 @@ from typing import Any
 
 from .._core import InvalidArgument
 from .._interrupts import Deferred
-from ..arguments import given_path
+from ..arguments import given_path, real_number
 from ..array_file import WriteError, refuse_link
 from ..checkpoint import CheckpointError
 from ..files import resolved
@@ -77,7 +77,7 @@ class Plan:
 
 def end_time(scene_file: SceneFile, until: float | None) -> float:
     """The simulated time [s]: the caller's, else the file's."""
-    end = scene_file.until if until is None else float(until)
+    end = scene_file.until if until is None else real_number(until, "run: until")
     if end is None:
         raise SceneFileError(f"scene '{scene_file.name}' does not say how long to run; give --until SECONDS")
     if not 0.0 < end < float("inf"):
@@ -123,6 +123,8 @@ def run(
     import stark
 
     scene_file = scene if isinstance(scene, SceneFile) else load(scene)
+    if settings is not None and not isinstance(settings, Mapping):
+        raise SceneFileError(f"run: settings = {settings!r}; must be a dictionary of values by dotted name")
     plan = Plan(
         scene=scene_file.source,
         options=scene_file.options,

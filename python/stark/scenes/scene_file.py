@@ -18,6 +18,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from ..arguments import nearest
 from ..telemetry.given import RULE, given_number
 from .options import SceneFileError, converted_options, option_text
@@ -84,13 +86,18 @@ class SceneFile:
 
     @property
     def has_check(self) -> bool:
-        """Whether the scene file defines ``check(sim)``."""
+        """Whether the scene file defines ``check(run)``."""
         return hasattr(self.module, "check")
 
     def check(self, recording: Any) -> None:
-        """The file's check of a finished run, if it has one; raises AssertionError when the run is wrong."""
+        """The file's check of a finished run, if it has one; raises AssertionError when the run is wrong,
+        also where it returns False instead."""
         if self.has_check:
-            self.module.check(recording)
+            returned = self.module.check(recording)
+            if isinstance(returned, (bool, np.bool_)) and not returned:
+                raise AssertionError(
+                    "it returned False; write assert with a message, which says what is wrong"
+                )
 
     def _call(self, function: str, default: Any, *arguments: Any) -> Any:
         return getattr(self.module, function)(*arguments) if hasattr(self.module, function) else default
