@@ -21,6 +21,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "attributes",
         "files",
         "arguments",
+        "caller",
         "named",
         "readings",
     ),
