@@ -211,7 +211,8 @@ def checked(task: Task) -> Task:
             raise TaskError(f"task '{task.name}': {name} must be a gymnasium.spaces.Box")
     for name in ("control_step", "until", "settle"):
         value, zero = getattr(task, name), name == "settle"
-        good = isinstance(value, Real) and math.isfinite(value) and (value > 0.0 or (zero and value == 0.0))
+        number = float(value) if isinstance(value, Real) else math.nan
+        good = math.isfinite(number) and (number > 0.0 or (zero and number == 0.0))
         if not good:
             rule = f"must be a number {'>=' if zero else '>'} 0 and finite"
             raise TaskError(f"task '{task.name}': {name} = {value!r} s: {rule}")

@@ -250,7 +250,7 @@ def _checked(module: ModuleType, name: str) -> SceneFile:
             _require_arguments(name, getattr(module, attribute), attribute, count)
     _forget(module, name)
     until = getattr(module, "until", None)
-    if until is not None and not (isinstance(until, Real) and math.isfinite(until) and until > 0.0):
+    if until is not None and not (isinstance(until, Real) and 0.0 < float(until) < math.inf):
         raise SceneFileError(f"scene '{name}': until = {until!r} s; must be a positive number")
     description = (inspect.getdoc(module) or "").strip().split("\n")[0]
     return SceneFile(name, description, module, None if until is None else float(until))
