@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import given_path, real_array, real_number, refuse_masked
+from stark.arguments import given_flag, given_path, real_array, real_number, refuse_masked
 from stark.attributes import own_names
 from stark.mesh import TriangleMesh
 from stark.mesh.usd_files import read_usd, without_unused
@@ -72,6 +72,7 @@ def spline(times: ArrayLike, values: ArrayLike, *, rest: bool = True) -> Motion:
     """Cubic spline through knots with continuous velocity and acceleration: ``times`` (n,) [s], rising, and
     ``values`` (n, ...). It starts and ends at rest, or with ``rest=False`` without acceleration (a natural
     spline: the velocity then jumps at the ends, where the values are held)."""
+    rest = given_flag(rest, "spline: rest")
     t, v = _knots("spline", times, values, 2)
     slopes = _slopes(t, v, rest)
 
@@ -86,7 +87,7 @@ def spline(times: ArrayLike, values: ArrayLike, *, rest: bool = True) -> Motion:
         place = ends + h * s * r * (r * slopes[k] - s * slopes[k + 1])
         return place
 
-    knots = {"kind": "spline", "times": t, "values": v, "rest": bool(rest)}
+    knots = {"kind": "spline", "times": t, "values": v, "rest": rest}
     return Motion(value, float(t[-1]), f"spline through {len(t)} knots", knots)
 
 
@@ -95,7 +96,7 @@ def point_cache(path: str | os.PathLike[str], *, fps: float = 24.0, smooth: bool
     second; the first frame is at 0 s. For a character whose vertices are all pinned, in the order of its
     mesh: ``body.follow(stark.motion.point_cache("walk.pc2"))``. Straight lines between frames, or with
     ``smooth`` a natural spline. Raises InvalidArgument for files that are missing or damaged."""
-    rate = real_number(fps, "point_cache: fps")
+    rate, smooth = real_number(fps, "point_cache: fps"), given_flag(smooth, "point_cache: smooth")
     if not 0.0 < rate < np.inf:
         raise InvalidArgument(f"point_cache: fps = {fps!r}: must be > 0 and finite")
     found = read_point_cache(given_path(path, "point_cache: path"))
@@ -120,6 +121,7 @@ def usd_mesh(path: str | os.PathLike[str], prim: str | None = None, *, smooth: b
     is at 0 s. Points, frames and skeletons may move. Of surfaces that are open, vertices that are always at
     the same place become one. Straight lines between frames, or with ``smooth`` a natural spline. Raises
     InvalidMesh for files and prims that cannot be read; needs ``usd-core``."""
+    smooth = given_flag(smooth, "usd_mesh: smooth")
     found = without_unused(read_usd(given_path(path, "usd_mesh: path"), _path_of(prim), moving=True))
     if smooth and len(found.times) > 1:
         return AnimatedMesh(found.mesh, spline(found.times, found.frames, rest=False))
@@ -138,6 +140,7 @@ def rotations(times: ArrayLike, values: Any, *, smooth: bool = True, rest: bool 
 
     ``smooth``: a spline of quaternions with continuous angular velocity and acceleration, ``rest`` as in
     ``spline``; otherwise constant angular velocity between knots."""
+    smooth, rest = given_flag(smooth, "rotations: smooth"), given_flag(rest, "rotations: rest")
     if not isinstance(values, Iterable):
         raise InvalidArgument(f"rotations: values = {values!r}: must be matrices or quaternions")
     matrices = [as_matrix(value, f"rotations: value {k}") for k, value in enumerate(values)]
@@ -158,8 +161,8 @@ def rotations(times: ArrayLike, values: Any, *, smooth: bool = True, rest: bool 
         return as_matrix(quaternion, f"rotations at {time:g} s")
 
     knots = {
-        "kind": "rotations", "times": t, "values": np.array(matrices), "smooth": bool(smooth),
-        "rest": bool(rest),
+        "kind": "rotations", "times": t, "values": np.array(matrices), "smooth": smooth,
+        "rest": rest,
     }  # fmt: skip
     return Motion(value, float(t[-1]), f"rotations through {len(t)} knots", knots)
 

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.arguments import given_path
+from stark.arguments import given_flag, given_path
 from stark.caller import warn
 from stark.steps import Stepping
 
@@ -67,6 +67,7 @@ class Checkpoint(Content):
         number of threads and the back end may differ. ``exact=False`` accepts other materials, values,
         masses, rest shapes and settings, as long as bodies, joints and their numbers are the same."""
         sim._require_free("load()")
+        exact = given_flag(exact, f"{owner}: exact")
         self._check_scene(sim, exact, owner)
         self._check_values(sim, owner)
         present, values = sim.state, [live.present() for live in sim._live_values]

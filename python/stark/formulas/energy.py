@@ -16,7 +16,7 @@ from collections.abc import Callable
 from typing import Any, NoReturn
 
 from stark._core import InvalidArgument
-from stark.arguments import refuse_copy
+from stark.arguments import given_flag, refuse_copy
 from stark.formulas.arguments import read_arguments
 from stark.formulas.binding import BoundEnergy, RecordedEnergy, counted
 from stark.formulas.checks import check
@@ -145,6 +145,8 @@ def energy(
     Frame for what it acts on; float, Vec3, Mat3 for parameters, whose defaults may be stark.parameter(...);
     Time and TimeStep. translation_invariant: whether moving all points alike leaves the energy as it is;
     found out from the formula if None."""
+    if translation_invariant is not None:
+        given_flag(translation_invariant, "@stark.energy: translation_invariant")
     if function is None:
         return functools.partial(energy, translation_invariant=translation_invariant)
     name = getattr(function, "__name__", "energy")

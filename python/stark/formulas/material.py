@@ -25,6 +25,7 @@ import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from stark.arguments import given_flag
 from stark.formulas.arguments import signature_of
 from stark.formulas.material_law import MaterialLaw
 from stark.formulas.recorded_law import ROD_STRAINS, STRAINS, read_others
@@ -81,7 +82,11 @@ def material(
     stress_free, objective: False for a law that has stresses at rest, or depends on the orientation in space,
     on purpose. isotropic: whether the material directions are equivalent, found out by tests if None; cloth
     of other laws takes ``warp_direction``."""
-    declared = {"stress_free": stress_free, "objective": objective, "isotropic": isotropic}
+    declared = {
+        "stress_free": given_flag(stress_free, "@stark.material: stress_free"),
+        "objective": given_flag(objective, "@stark.material: objective"),
+        "isotropic": None if isotropic is None else given_flag(isotropic, "@stark.material: isotropic"),
+    }
     if function is None:
         return functools.partial(material, **declared)
     name = getattr(function, "__name__", "material")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import given_path
+from ..arguments import given_flag, given_path
 from ..array_file import WriteError, make_folder, remove_leftovers, write_arrays, write_atomically
 from ..files import resolved
 from ..telemetry import SERIES, TelemetryWriter, _plain, digest_of_last, first_lines
@@ -112,6 +112,7 @@ class Recorder:
         arrays: Mapping[str, Arrays] | None = None,
         contacts: bool = False,
     ) -> None:
+        certify, contacts = (given_flag(x, "recording: certify, contacts") for x in (certify, contacts))
         if chunk_frames < 1:
             raise RecordingError(f"chunk_frames = {chunk_frames}; must be at least 1")
         self.folder: Path = resolved(given_path(folder, "recording: folder"))

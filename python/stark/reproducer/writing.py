@@ -12,7 +12,7 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.arguments import given_path
+from stark.arguments import given_flag, given_path
 from stark.array_file import naming, write_arrays, write_atomically
 from stark.checkpoint import CheckpointError, memory
 from stark.scene_record import Call
@@ -62,6 +62,7 @@ def write(sim: Stepping, folder: str | PathLike[str], *, reduce: bool = False) -
     Raises ReproducerError when no step was taken since the simulation was made, loaded or rewound, and when
     the folder cannot be written. Files of an earlier reproducer there are replaced."""
     place = given_path(folder, "write_reproducer: folder")
+    reduce = given_flag(reduce, "write_reproducer: reduce")
     taken = sim._taken
     if taken is None:
         raise ReproducerError(

@@ -13,7 +13,7 @@ from typing import Any
 
 from .._core import InvalidArgument
 from .._interrupts import Deferred
-from ..arguments import given_path, real_number
+from ..arguments import given_flag, given_path, real_number
 from ..array_file import WriteError, refuse_link
 from ..checkpoint import CheckpointError
 from ..files import resolved
@@ -123,6 +123,15 @@ def run(
     import stark
 
     scene_file = scene if isinstance(scene, SceneFile) else load(scene)
+    switches = {
+        "replay": replay,
+        "picture": picture,
+        "check": check,
+        "certify": certify,
+        "contacts": contacts,
+    }
+    for what, value in switches.items():
+        given_flag(value, f"run: {what}")
     if settings is not None and not isinstance(settings, Mapping):
         raise SceneFileError(f"run: settings = {settings!r}; must be a dictionary of values by dotted name")
     plan = Plan(
