@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import given_coordinate, real_number
+from stark.caller import warn
 from stark.courses import TimeValue, at_start, set_courses
 from stark.handle import Handle, SceneLink, SimulationLink
 from stark.joints.other_names import ELSEWHERE
@@ -271,7 +272,9 @@ class Joint(JointActuators):
         if not isinstance(value, (bool, np.bool_)):
             raise InvalidArgument(f"joint '{self.name}': enabled = {value!r}: must be True or False")
         core = self._require_simulation("enabled")._core
-        if value:
+        if value and core.joint_broken(self._index):
+            warn(f"joint '{self.name}' is broken and stays released; go back to a state from before")
+        elif value:
             core.check_joint_agrees(self._index)
         core.set_joint_enabled(self._index, bool(value))
 
