@@ -17,7 +17,7 @@ from ..arguments import given_path
 from ..array_file import naming, write_atomically
 from ..files import plain_name, printable
 from .format import Frame, RecordingError
-from .reader import Recording
+from .reader import Recording, given_recording
 
 FORMATS = ("vtu", "ply", "obj")
 
@@ -147,6 +147,7 @@ def export(
     frames: Iterable[int] | None = None,
 ) -> list[Path]:
     """Writes frames into ``folder`` and returns the files; for ``vtu`` the last one is the ``.pvd``."""
+    given_recording(recording, "export")
     writers = {"vtu": vtu_bytes, "ply": ply_bytes, "obj": obj_bytes}
     if format not in writers:
         raise RecordingError(f"format '{format}' is unknown; choose one of {', '.join(FORMATS)}")

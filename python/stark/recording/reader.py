@@ -383,3 +383,13 @@ def _body(entry: dict[str, Any]) -> BodyEntry:
     if color is not None and (len(color) != 3 or not all(0.0 <= c <= 1.0 for c in color)):
         raise ValueError(f"body '{body.name}' has the colour {color}")
     return body
+
+
+def given_recording(value: Any, what: str) -> Recording:
+    """A recording. Raises RecordingError for anything else, such as the path of one."""
+    if not isinstance(value, Recording):
+        raise RecordingError(
+            f"{what}: recording = {value!r}: must be a stark.recording.Recording, "
+            f"made of the path of a run folder"
+        )
+    return value

@@ -19,6 +19,7 @@ from ..array_file import write_atomically
 from ..files import printable
 from ..recording import Recording
 from ..recording.format import PAGE
+from ..recording.reader import given_recording
 from ..render.colormaps import COLORMAPS, Colormap
 from ..telemetry import Telemetry
 from .encode import EncodedReplay, encode
@@ -133,6 +134,7 @@ def write_page(
     ``stride`` keeps every so-many-th frame; when not given, it is chosen so that the page stays below about
     ``max_megabytes`` megabytes. ``overlay``: another run, whose numbers the plots show as dashed lines.
     """
+    given_recording(recording, "write_page")
     target = recording.folder / PAGE if path is None else given_path(path, "write_page: path")
     page = assemble(
         encode(recording, stride=stride, max_megabytes=max_megabytes), recording.telemetry, overlay

@@ -11,6 +11,7 @@ import pytest
 from fake_simulation import record
 
 from stark.recording import RecordingError, export
+from stark.replay import write_page
 
 
 def _read_ply(data: bytes) -> tuple[np.ndarray, np.ndarray]:
@@ -72,3 +73,15 @@ def test_pvd_lists_the_files_with_their_times(tmp_path: Path) -> None:
 def test_unknown_export_format(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="format 'stl' is unknown; choose one of vtu, ply, obj"):
         export(record(tmp_path / "run", 1), tmp_path / "out", "stl")
+
+
+def test_the_path_of_a_recording_is_none(tmp_path: Path) -> None:
+    """It was an AttributeError of Python, after the folder was made."""
+    record(tmp_path / "run", 1)
+    with pytest.raises(
+        RecordingError, match=r"export: recording = .*: must be a stark\.recording\.Recording"
+    ):
+        export(tmp_path / "run", tmp_path / "out")  # type: ignore[arg-type]
+    with pytest.raises(RecordingError, match=r"write_page: recording = .*: must be a stark\.recording"):
+        write_page(tmp_path / "run")  # type: ignore[arg-type]
+    assert not (tmp_path / "out").exists()
