@@ -74,9 +74,7 @@ TEST_CASE("what jumps, or is no number beyond, is not corrected") {
 
 TEST_CASE("numbers of a vector are corrected in any axes, also where one of them is at its extreme") {
   const Vec3 previous{0.6, 0.8, 0.0}, beyond{0.6, 0.8, 0.2}, x{0.1, 0.2, 0.3};
-  const Written direction = [](PotentialBuilder& b) {
-    return dot(b.x(0), b.x_prev(0) / norm(b.x_prev(0)));
-  };
+  const Written direction = [](PotentialBuilder& b) { return dot(b.x(0), b.x_prev(0) / norm(b.x_prev(0))); };
   const double seen = energy_of(direction, x, previous, beyond);
   const Vec3 side = normalized(beyond), other = normalized(2.0 * previous - beyond);
   const Vec3 expected = 2.0 * previous - (side + other) * 0.5;

@@ -50,7 +50,8 @@ TEST_CASE("affine motion does not bend") {
 }
 
 TEST_CASE("damping is that of the hinge model, with quadratic bending beside it") {
-  const Potential both = compiled(models::damped_flat_bending()), quadratic = compiled(models::flat_bending()),
+  const Potential both = compiled(models::damped_flat_bending()),
+                  quadratic = compiled(models::flat_bending()),
                   hinge = compiled(models::discrete_shell_bending());
   const std::vector<Vec3> x = folded(1.3);
   const std::vector<double> all = gradient(both, damped(0.4, 2.0, 3.0, 0.01), x),

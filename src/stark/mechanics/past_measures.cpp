@@ -117,9 +117,7 @@ class PastMeasures {
     return all;
   }
 
-  static bool jumps(Op op) {
-    return op == Op::Atan2 || op == Op::Atan || op == Op::Tan || op == Op::Select;
-  }
+  static bool jumps(Op op) { return op == Op::Atan2 || op == Op::Atan || op == Op::Tan || op == Op::Select; }
 
   bool keeps_linear(const Node& node, int past_operands) const {
     const auto is_past = [&](int k) { return depends_[node.operands[k]].past; };

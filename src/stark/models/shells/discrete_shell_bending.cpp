@@ -22,15 +22,15 @@ PotentialSample sample_hinge(std::mt19937_64& random) {
 }
 
 PotentialDefinition discrete_shell_bending() {
-  PotentialDefinition definition = define_potential(
-      "discrete_shell_bending", 4, "bending of hinges with the rest angles of the mesh",
-      [](PotentialBuilder& b) {
-        const Scalar k = b.parameter("bending_stiffness", "J", "bending stiffness");
-        const HingeGeometry rest = rest_hinge(b);
-        const Scalar theta = fold_angle(hinge(b.x(0), b.x(1), b.x(2), b.x(3)));
-        const Scalar elastic = 0.5 * k * square(theta - fold_angle(rest));
-        return (elastic + viscous_energy(b)) * hinge_weight(b) * squared_norm(rest.edge);
-      });
+  PotentialDefinition definition =
+      define_potential("discrete_shell_bending", 4, "bending of hinges with the rest angles of the mesh",
+                       [](PotentialBuilder& b) {
+                         const Scalar k = b.parameter("bending_stiffness", "J", "bending stiffness");
+                         const HingeGeometry rest = rest_hinge(b);
+                         const Scalar theta = fold_angle(hinge(b.x(0), b.x(1), b.x(2), b.x(3)));
+                         const Scalar elastic = 0.5 * k * square(theta - fold_angle(rest));
+                         return (elastic + viscous_energy(b)) * hinge_weight(b) * squared_norm(rest.edge);
+                       });
   definition.zero_at_rest = true;
   definition.sample = sample_hinge;
   return definition;
