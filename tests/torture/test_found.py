@@ -379,7 +379,7 @@ def test_damped_rods_whose_frames_turn_fast_have_strains() -> None:
         (23, 4490, "joints"),
         # What stopped within a step had the rounding of its way, 3 m, which the certificate did not allow.
         (45, 2785, "impacts"),
-        # Friction of contacts that were gone at the end had pushed, which the certificate took for no contact.
+        # Friction had pushed whose contacts were gone at the end: no contact, said the certificate.
         (61, 9345, "containers"),
     ],
 )
