@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
@@ -289,6 +290,8 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         asked after each step and ends the run when true."""
         if stop is not None and not callable(stop):
             raise InvalidArgument(f"run_until: stop = {stop!r}: must be a function without arguments")
+        if stop is None and real_number(until, "run_until: until") == math.inf:
+            raise InvalidArgument("run_until: until = inf s without stop=: would never end; give either")
         report = None
         for report in self.run(until, progress=progress):
             if stop is not None and not report.failed and stop():

@@ -81,4 +81,9 @@ def test_huge_coordinates_are_refused() -> None:
 def test_what_ends_a_run_is_a_function(sim: stark.Simulation) -> None:
     with pytest.raises(stark.InvalidArgument, match=r"run_until: stop = 0\.1: must be a function"):
         sim.run_until(0.02, 0.1)  # type: ignore[arg-type]
+    with pytest.raises(
+        stark.InvalidArgument, match=r"run_until: until = inf s without stop=: would never end"
+    ):
+        sim.run_until(np.inf)
     assert sim.time == 0.0
+    assert sim.run_until(np.inf, lambda: sim.time > 0.0) is not None

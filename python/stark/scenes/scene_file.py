@@ -21,10 +21,14 @@ from typing import Any
 import numpy as np
 
 from ..arguments import nearest
+from ..caller import warn
 from ..telemetry.given import RULE, given_number
 from .options import SceneFileError, converted_options, option_text
 
 _INTERNAL = {"options", "resuming", "runner", "scene_file"}
+
+#: Functions that a scene file may define, and how many arguments they take.
+_FUNCTIONS = {"build": 0, "settings": 0, "drive": 1, "measure": 1, "observables": 1, "check": 1}
 
 
 @dataclass(frozen=True)
@@ -235,19 +239,26 @@ def _require_arguments(name: str, function: Callable[..., Any], attribute: str, 
         raise SceneFileError(f"scene '{name}': {attribute}() must accept {arguments}: {error}") from error
 
 
+def _warn_of_misspelt(module: ModuleType, name: str) -> None:
+    """Of functions that are nearly called what a scene file may define."""
+    import difflib  # not at start-up
+
+    for attribute, value in vars(module).items():
+        is_its_own = inspect.isfunction(value) and value.__module__ == module.__name__
+        if not is_its_own or attribute in _FUNCTIONS or attribute.startswith("_"):
+            continue
+        near = difflib.get_close_matches(attribute, _FUNCTIONS, n=1, cutoff=0.75)
+        if near and not hasattr(module, near[0]):
+            warn(f"scene '{name}': stark does not call {attribute}(); if {near[0]}() is meant, rename it")
+
+
 def _checked(module: ModuleType, name: str) -> SceneFile:
     if not hasattr(module, "build"):
         raise SceneFileError(f"scene '{name}': defines no build(); add a function that returns a stark.Scene")
-    for attribute, count in (
-        ("build", 0),
-        ("settings", 0),
-        ("drive", 1),
-        ("measure", 1),
-        ("observables", 1),
-        ("check", 1),
-    ):
+    for attribute, count in _FUNCTIONS.items():
         if hasattr(module, attribute):
             _require_arguments(name, getattr(module, attribute), attribute, count)
+    _warn_of_misspelt(module, name)
     _forget(module, name)
     until = getattr(module, "until", None)
     if until is not None and not (isinstance(until, Real) and 0.0 < float(until) < math.inf):

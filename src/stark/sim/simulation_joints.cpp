@@ -38,6 +38,12 @@ std::vector<Gap> gaps_of(const Joint& joint, std::span<const double> C, const Jo
   return gaps;
 }
 
+/// In three digits where these show that it is beyond its tolerance.
+std::string size_text(const Gap& gap) {
+  const char* unit = gap.unit == ResidualUnit::Length ? "m" : "rad";
+  return gap.size > 1.01 * gap.tolerance ? rough_text(gap.size, unit) : quantity_text(gap.size, unit);
+}
+
 }  // namespace
 
 void Simulation::check_joints() {
@@ -64,14 +70,14 @@ void Simulation::check_joints() {
           "of a zero vector, a division by zero, or the root or logarithm of a negative number there");
     for (const Gap& gap : gaps_of(joint, std::span(C).subspan(place.residual), settings_.joints)) {
       if (scene_.joints()[j].definition->name == "distance")
-        throw InvalidArgument(owner_text(scene_.joints()[j]) + ": length = " +
-                              quantity_text(scene_.joints()[j].values.at("length").values.front(), "m") +
-                              " differs by " + residual_text(gap.size, gap.unit) +
-                              " from the distance of its points at time 0: must be within " +
-                              residual_text(gap.tolerance, gap.unit) +
-                              "; leave it out to keep that distance, or add the joint with enabled = false");
+        throw InvalidArgument(
+            owner_text(scene_.joints()[j]) +
+            ": length = " + quantity_text(scene_.joints()[j].values.at("length").values.front(), "m") +
+            " differs by " + size_text(gap) + " from the distance of its points at time 0: must be within " +
+            residual_text(gap.tolerance, gap.unit) +
+            "; leave it out to keep that distance, or add the joint with enabled = false");
       throw InvalidArgument(
-          owner_text(scene_.joints()[j]) + ": its frames differ by " + residual_text(gap.size, gap.unit) +
+          owner_text(scene_.joints()[j]) + ": its frames differ by " + size_text(gap) +
           " at time 0: must be within " + residual_text(gap.tolerance, gap.unit) +
           (gap.unit == ResidualUnit::Length
                ? "; place both frames at the same point of the world"
@@ -90,9 +96,7 @@ void Simulation::check_joint_agrees(JointId joint) const {
       *energies_.constraints.groups()[energies_.constraints.place(joint.index).group].joint;
   std::string differ, allowed;
   for (const Gap& gap : gaps_of(formula, C, settings_.joints)) {
-    const char* unit = gap.unit == ResidualUnit::Length ? "m" : "rad";
-    differ += (differ.empty() ? "" : " and ") +
-              (gap.size > 1.01 * gap.tolerance ? rough_text(gap.size, unit) : quantity_text(gap.size, unit));
+    differ += (differ.empty() ? "" : " and ") + size_text(gap);
     allowed += (allowed.empty() ? "" : " and ") + residual_text(gap.tolerance, gap.unit);
   }
   if (differ.empty()) return;

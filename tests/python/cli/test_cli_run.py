@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from _commands import FALL, command, environment
 
+import stark
 from stark.recording import Recording
 from stark.render import read_png
 
@@ -177,6 +178,15 @@ def test_wrong_options_are_refused(tmp_path: Path, capsys, words, message: str) 
     path.write_text(_MEASURED)
     assert command("run", path, "--out", tmp_path / "run", *words) == 2
     assert message in capsys.readouterr().err and not (tmp_path / "run").exists()
+
+
+def test_functions_that_are_misspelt_are_warned_of(tmp_path: Path, capsys) -> None:
+    """They were not called, in silence."""
+    path = tmp_path / "fall.py"
+    path.write_text(_MEASURED.replace("def measure(", "def mesure(") + "\n\ndef helper(sim):\n    pass\n")
+    with pytest.warns(stark.StarkWarning, match=r"does not call mesure\(\); if measure\(\) is meant") as told:
+        assert command("run", path, "--out", tmp_path / "run", "--quiet") == 0
+    assert not any("helper" in str(warning.message) for warning in told)
 
 
 def test_what_is_measured_has_to_be_numbers(tmp_path: Path, capsys) -> None:
