@@ -145,7 +145,7 @@ void run_tiny(ThreadPool& pool) {
 void run_psd() {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
-  for (int n : {3, 6, 9, 12}) {
+  for (int n : {3, 6, 9, 12, 15, 18}) {
     // Sum of a random symmetric matrix and a multiple of the identity: some negative eigenvalues.
     const int size = n * (n + 1) / 2, batches = 64;
     std::vector<double> source(static_cast<size_t>(batches) * size * kPsdLanes), work;

@@ -247,12 +247,11 @@ void project_lanes(V* a, Size<N> size, uint32_t bits) {
 
 // Orthonormal basis of the vectors on the points that sum to zero (Helmert): row k - 1 is (1, .., 1, -k, 0,
 // ..) over sqrt(k (k + 1)), with k ones.
-constexpr double kRoot2 = 0.70710678118654752440, kRoot6 = 0.40824829046386301637,
-                 kRoot12 = 0.28867513459481288225;
-constexpr double kHelmert[3][4] = {{kRoot2, -kRoot2, 0.0, 0.0},
-                                   {kRoot6, kRoot6, -2.0 * kRoot6, 0.0},
-                                   {kRoot12, kRoot12, kRoot12, -3.0 * kRoot12}};
-constexpr double helmert(int k, int point) { return kHelmert[k - 1][point]; }
+constexpr double kRoots[] = {0.70710678118654752440, 0.40824829046386301637, 0.28867513459481288225,
+                             0.22360679774997896964, 0.18257418583505537115};
+constexpr double helmert(int k, int point) {
+  return point < k ? kRoots[k - 1] : point == k ? -k * kRoots[k - 1] : 0.0;
+}
 
 template <int N>
 void load_full(const double* upper, int n, V* a) {
@@ -341,6 +340,10 @@ uint32_t psd_test(const double* upper, int n) {
       return test_lanes<9>(upper, {n});
     case 12:
       return test_lanes<12>(upper, {n});
+    case 15:
+      return test_lanes<15>(upper, {n});
+    case 18:
+      return test_lanes<18>(upper, {n});
     default:
       return n <= kCommonSize ? test_lanes<0>(upper, {n}) : test_lanes<-1>(upper, {n});
   }
@@ -348,7 +351,7 @@ uint32_t psd_test(const double* upper, int n) {
 
 void psd_project(double* upper, int n, uint32_t mask, bool translation_invariant) {
   STARK_CHECK(n >= 1 && n <= kPsdMaxSize);
-  STARK_CHECK(!translation_invariant || n == 6 || n == 9 || n == 12);
+  STARK_CHECK(!translation_invariant || (n % 3 == 0 && n >= 6 && n <= kPsdMaxReduced));
   if (mask == 0) return;
   if (translation_invariant) {
     switch (n) {
@@ -356,8 +359,12 @@ void psd_project(double* upper, int n, uint32_t mask, bool translation_invariant
         return project_invariant<6>(upper, mask);
       case 9:
         return project_invariant<9>(upper, mask);
-      default:
+      case 12:
         return project_invariant<12>(upper, mask);
+      case 15:
+        return project_invariant<15>(upper, mask);
+      default:
+        return project_invariant<18>(upper, mask);
     }
   }
   switch (n) {
@@ -369,6 +376,10 @@ void psd_project(double* upper, int n, uint32_t mask, bool translation_invariant
       return project_full<9>(upper, {n}, mask);
     case 12:
       return project_full<12>(upper, {n}, mask);
+    case 15:
+      return project_full<15>(upper, {n}, mask);
+    case 18:
+      return project_full<18>(upper, {n}, mask);
     default:
       return n <= kCommonSize ? project_full<0>(upper, {n}, mask) : project_full<-1>(upper, {n}, mask);
   }

@@ -52,7 +52,7 @@ int64_t project_blocks(const Potential& potential, int64_t block_count, double* 
   const int n = potential.kernel().unknown_count();
   const int outputs = potential.kernel().output_count(symbolic::Order::Hessian);
   const bool reduced =
-      potential.is_translation_invariant() && n >= 6 && n <= 12;  // fewer dimensions, same result
+      potential.is_translation_invariant() && n >= 6 && n <= kPsdMaxReduced;  // fewer dimensions, same result
   return project_blocks(n, 1 + n, outputs, reduced, block_count, out);
 }
 
