@@ -37,10 +37,12 @@ def build() -> stark.Scene:
 
 
 def observables(sim: Any) -> dict[str, float]:
-    """Heights of the vertices, least distance of a vertex from the sphere's centre, force on the sphere."""
+    """Heights of the vertices and of a corner, least distance of a vertex from the sphere's centre, force on
+    the sphere."""
     points = sim["cloth"].positions
     return {
         **heights(points),
+        "z_corner": float(points[0, 2]),
         "radius_min": float(np.linalg.norm(points, axis=1).min()),
         "sphere_force": abs(float(sim.contacts.of("cloth", "sphere").forces.sum(axis=0)[2])),
     }

@@ -145,3 +145,42 @@ TEST_CASE("edges without a rigid body, and flat triangles, have the closest poin
   x[3] = x[1] * 0.5 + x[2] * 0.5;
   CHECK(carriers(true).stencil(mesh(), point_triangle(2), x).point_count == 2);
 }
+
+TEST_CASE("friction of rods that cross has neither sum nor torque, and common motions are no slip") {
+  // Two rods of two edges each; the middle vertex of either may be what is touched.
+  const SurfaceMesh rods{.vertex_count = 6, .edges = {{0, 1}, {1, 2}, {3, 4}, {4, 5}}, .triangles = {}};
+  const FrictionCarriers carriers(rods);
+  RandomPoints random(6);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Vec3 n = normalized(random.point());
+    const auto across = [&] { return normalized(cross(n, random.point())); };
+    const Vec3 e_a = across(), e_b = across();
+    if (norm(cross(e_a, e_b)) < 0.4) continue;
+    const Vec3 at = random.point(), other = at - n * 0.3;
+    const std::vector<Vec3> x{at - e_a, at, at + e_a, other - e_b, other, other + e_b};
+    Contact edges{.key = {PairKind::EdgeEdge, 0, 3}, .point_count = 4, .side_a_count = 2};
+    edges.sites = {0, 1, 4, 5};
+    edges.weights = {0.0, 1.0, -1.0, 0.0};
+    Contact vertices{.key = {PairKind::EdgeEdge, 0, 3}, .point_count = 2, .side_a_count = 1};
+    vertices.sites = {1, 4};
+    vertices.weights = {1.0, -1.0};
+    for (const Contact& contact : {edges, vertices}) {
+      const FrictionStencil s = carriers.stencil(rods, contact, x);
+      REQUIRE(s.turns());
+      CHECK(!s.is_carried());
+      const Vec3 f = random.point();
+      Vec3 sum, torque;
+      for (int p = 0; p < s.point_count; ++p) {
+        const Vec3 force = f * s.weights[p] + s.facing * dot(s.slopes[p], f);
+        sum += force;
+        torque += cross(x[s.sites[p]], force);
+      }
+      CHECK(norm(sum) < 1e-13);
+      CHECK(norm(torque) < 1e-12);
+      const Vec3 shift = random.point(), turn = random.point() * 1e-6;
+      std::vector<Vec3> moved;
+      for (const Vec3& p : x) moved.push_back(exp_rotation(turn) * p + shift);
+      CHECK(norm(s.motion(moved, x)) < 1e-10);
+    }
+  }
+}

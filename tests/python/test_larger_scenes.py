@@ -88,7 +88,8 @@ def test_cloth_on_a_sphere() -> None:
     found = result["observables"]
     assert result["dofs"] == 3 * 25**2
     free = 0.253 - 0.2 * 2 * STEP - 3 * GRAVITY * STEP**2
-    assert found["z_min"] == pytest.approx(free, abs=3e-4)
+    assert found["z_corner"] == pytest.approx(free, abs=3e-4)
+    assert free - 3e-3 < found["z_min"] < found["z_corner"]  # the rim of what bends over the sphere
     assert 0.25 < found["radius_min"] < 0.25 + 2 * 0.25 / 24
     assert found["sphere_force"] > 0.05
 

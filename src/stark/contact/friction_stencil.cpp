@@ -13,6 +13,10 @@ namespace {
 /// Twice the area of a triangle over its squared size below which it has no normal to speak of.
 constexpr double kFlattest = 1e-8;
 
+/// Squared sines of the angle between two rods from where their common normal carries their gap, and all of
+/// it: 10 and 20 degrees.
+constexpr double kParallel = 0.03, kCrossing = 0.12;
+
 struct Frame {
   std::array<Vec3, 3> gradient;  ///< of the barycentric coordinates [1/m]
   Vec3 centre, normal;
@@ -84,6 +88,26 @@ FrictionStencil shared_stencil(const SurfaceMesh& mesh, const SharedPlace& share
   return stencil;
 }
 
+/// The closest points of two rods that cross, whose gap turns with the common normal n of their chords. What
+/// turns chords e moves their ends along n, so dn = -s_A (n . de_A) - s_B (n . de_B) with the basis s dual to
+/// them [theory eq. 19e].
+FrictionStencil crossing_rods(const Contact& contact, const Index2& a, const Index2& b,
+                              std::span<const Vec3> x) {
+  FrictionStencil stencil = closest_points(contact);
+  const Vec3 e_a = x[a[1]] - x[a[0]], e_b = x[b[1]] - x[b[0]], area = cross(e_a, e_b);
+  const double squared = squared_norm(area), sine = squared / (squared_norm(e_a) * squared_norm(e_b));
+  if (!(sine > kParallel)) return stencil;
+  stencil.facing = area / std::sqrt(squared);
+  const double t = std::min(1.0, (sine - kParallel) / (kCrossing - kParallel));
+  const double height = dot(gap_vector(contact, x), stencil.facing) * t * t * (3.0 - 2.0 * t);
+  const Vec3 s_a = cross(e_b, area) * (height / squared), s_b = cross(area, e_a) * (height / squared);
+  add(stencil, a[0], 0.0, -s_a);
+  add(stencil, a[1], 0.0, s_a);
+  add(stencil, b[0], 0.0, -s_b);
+  add(stencil, b[1], 0.0, s_b);
+  return stencil;
+}
+
 }  // namespace
 
 Vec3 FrictionStencil::motion(std::span<const Vec3> x, std::span<const Vec3> reference) const {
@@ -125,6 +149,7 @@ FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> ri
     : rigid_sites_(std::move(rigid_sites)),
       triangles_of_edge_(mesh.edges.size(), {-1, -1}),
       triangle_of_vertex_(mesh.vertex_count, -1),
+      chord_of_vertex_(mesh.vertex_count, {-1, -1}),
       levers_(std::move(levers)) {
   const EdgeLookup edges(mesh.edges);
   for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t)
@@ -136,6 +161,12 @@ FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> ri
       Index2& both = triangles_of_edge_[edge];
       (both[0] < 0 ? both[0] : both[1]) = t;
     }
+  for (size_t edge = 0; edge < mesh.edges.size(); ++edge) {
+    if (triangles_of_edge_[edge][0] >= 0) continue;
+    const auto [a, b] = mesh.edges[edge];
+    chord_of_vertex_[a] = chord_of_vertex_[a][0] < 0 ? Index2{a, b} : Index2{chord_of_vertex_[a][0], b};
+    chord_of_vertex_[b] = chord_of_vertex_[b][0] < 0 ? Index2{a, b} : Index2{a, chord_of_vertex_[b][1]};
+  }
 }
 
 int32_t FrictionCarriers::triangle_at_edge(const SurfaceMesh& mesh, int32_t edge, const Vec3& gap,
@@ -195,6 +226,11 @@ LeverArm FrictionCarriers::arm_of(const SurfaceMesh& mesh, const Contact& contac
   return levers_.arm(mesh, contact, contact.key.second, normal, x);
 }
 
+Index2 FrictionCarriers::chord_of(std::span<const int32_t> touched) const {
+  const Index2& chord = chord_of_vertex_[touched[0]];
+  return chord[0] < 0 || touched.size() == 1 ? chord : Index2{touched[0], touched[1]};
+}
+
 FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact& contact,
                                           std::span<const Vec3> x, const std::optional<LeverArm>& arm,
                                           PressedAreas& areas) const {
@@ -202,7 +238,13 @@ FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact
   if (!arm && !levers_.empty()) shared = levers_.shared_place(mesh, contact, x, areas);
   if (shared) return shared_stencil(mesh, *shared, contact, x);
   const Carrier carrier = carrier_of(mesh, contact, x);
-  if (!carrier.triangle) return closest_points(contact);
+  if (!carrier.triangle) {
+    const std::span sites(contact.sites.data(), static_cast<size_t>(contact.point_count));
+    const auto count_a = static_cast<size_t>(contact.side_a_count);
+    const Index2 a = chord_of(sites.first(count_a)), b = chord_of(sites.subspan(count_a));
+    const bool are_rods = a[0] >= 0 && b[0] >= 0;
+    return are_rods ? crossing_rods(contact, a, b, x) : closest_points(contact);
+  }
   const Index3& triangle = *carrier.triangle;
   const Frame frame = frame_of(triangle, x);
   if (frame.shape == 0.0) return closest_points(contact);

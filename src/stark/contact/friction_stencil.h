@@ -1,7 +1,7 @@
 // Where friction acts (step phase 2). The closest points of a pair are a gap apart, so friction between them
 // would be a couple. It acts at the closest point of one side on both: the triangle of the other side carries
 // a point there, as if it were fixed to it. Total force and torque of the pair are zero then (theory eq.
-// 19a).
+// 19a). Two rods that cross have no triangles, but a common normal: their gap turns with it (eq. 19e).
 #pragma once
 
 #include <array>
@@ -25,13 +25,15 @@ struct FrictionStencil {
   int8_t point_count = 0;
   std::array<int32_t, kFrictionPoints> sites{};
   std::array<double, kFrictionPoints> weights{};  ///< sum to zero
-  std::array<Vec3, kFrictionPoints> slopes{};     ///< sum to zero; the turning of the carrying triangle
-  Vec3 facing;                                    ///< its unit normal, zero when nothing carries
+  std::array<Vec3, kFrictionPoints> slopes{};     ///< sum to zero; the turning of the triangle or the gap
+  Vec3 facing;                                    ///< its unit normal, or that of two edges; zero without
   Vec3 shift;                                     ///< of the point from the closest one [m]
   LeverArm arm;                                   ///< that shifts it
   int8_t own_count = 0;  ///< of the first sites, which have the point; the others carry it
 
   bool is_carried() const { return own_count > 0; }
+  /// Whether vertices bear more than the force at the closest points.
+  bool turns() const { return squared_norm(facing) > 0.0; }
   Vec3 point(std::span<const Vec3> x) const;
   /// Of the same contact whose sides are named the other way round.
   FrictionStencil swapped() const;
@@ -72,6 +74,10 @@ class FrictionCarriers {
   int32_t triangle_at_edge(const SurfaceMesh& mesh, int32_t edge, const Vec3& gap,
                            std::span<const Vec3> x) const;
 
+  /// Vertices between which a rod runs where its vertices, one or two, are touched: the ends of the edge, or
+  /// the vertices beside the one; -1 where they are none of a rod.
+  Index2 chord_of(std::span<const int32_t> touched) const;
+
   /// Of the surface that a point touches.
   std::optional<Index3> triangle_at_point(const SurfaceMesh& mesh, const Contact& contact) const;
 
@@ -84,6 +90,7 @@ class FrictionCarriers {
   std::vector<bool> rigid_sites_;
   std::vector<Index2> triangles_of_edge_;    ///< -1 where there is none
   std::vector<int32_t> triangle_of_vertex_;  ///< one of them, -1 where there is none
+  std::vector<Index2> chord_of_vertex_;      ///< of rods those beside it, or an end itself; else -1
   FrictionLevers levers_;
 };
 

@@ -415,7 +415,7 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
       motion = found->second.motion * side;
       const FrictionStencil& at = found->second.stencil;
       const bool is_swapped = side * orientation(mesh(), found->second.contact) < 0.0;
-      if (at.is_carried()) entry.friction_at = is_swapped ? at.swapped() : at;
+      if (at.turns()) entry.friction_at = is_swapped ? at.swapped() : at;
       frictions.erase(found);
     } else {
       motion += friction_.drift(entry.contact, n, x);
