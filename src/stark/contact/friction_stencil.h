@@ -1,7 +1,7 @@
 // Where friction acts (step phase 2). The closest points of a pair are a gap apart, so friction between them
 // would be a couple. It acts at the closest point of one side on both: the triangle of the other side carries
 // a point there, as if it were fixed to it. Total force and torque of the pair are zero then (theory eq.
-// 19a). Two rods that cross have no triangles, but a common normal: their gap turns with it (eq. 19e).
+// 19a). Two rods that cross have no triangles, but a common normal: their gap turns with it (theory eq. 19e).
 #pragma once
 
 #include <array>
