@@ -123,11 +123,12 @@ def shown_value(value: object, most: int = 60) -> str:
     return text if len(text) <= most else text[: most - 3] + "..."
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """The known name that is most like one that is not known; empty if none is like it."""
+def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """The known name that is most like one that is not known; empty if none is like it, by the ratio of
+    letters that ``cutoff`` asks for."""
     import difflib  # not at start-up
 
-    return next(iter(difflib.get_close_matches(name[:80], list(known), n=1)), "")
+    return next(iter(difflib.get_close_matches(name[:80], list(known), n=1, cutoff=cutoff)), "")
 
 
 def nearest_hint(name: str, known: Iterable[str]) -> str:

@@ -91,10 +91,10 @@ class Settings:
 
     def update(self, values: Mapping[str, Any]) -> None:
         """Assigns all entries by name, or none when one is refused. Groups may be nested mappings."""
-        changed, groups = self._core.copy(), _groups(self.names())
+        changed = self._core.copy()
         for name, value in values.items():
             if isinstance(value, Mapping) and name not in _defaults() and name not in _SHORT:
-                if not value and name not in groups:
+                if not value and name not in _groups(self.names()):
                     _assign(changed, name, value)
                 for inner, inner_value in value.items():
                     _assign(changed, f"{name}.{inner}", inner_value)

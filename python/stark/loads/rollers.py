@@ -162,7 +162,7 @@ def _axes_across(normal: Floats, cell: Floats) -> Floats:
     edges = cell[1:] - cell[0]
     across = edges - np.outer(edges @ normal, normal)
     share = np.linalg.norm(across, axis=1) / np.linalg.norm(edges, axis=1)
-    first = across[np.argmax(share > _ACROSS) if (share > _ACROSS).any() else np.argmax(share)]
+    first = across[np.argmax(np.minimum(share, _ACROSS))]
     first = first / np.linalg.norm(first)
     return np.stack([normal, first, np.cross(normal, first)])
 

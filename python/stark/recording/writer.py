@@ -112,7 +112,8 @@ class Recorder:
         arrays: Mapping[str, Arrays] | None = None,
         contacts: bool = False,
     ) -> None:
-        certify, contacts = (given_flag(x, "recording: certify, contacts") for x in (certify, contacts))
+        certify = given_flag(certify, "recording: certify")
+        contacts = given_flag(contacts, "recording: contacts")
         if chunk_frames < 1:
             raise RecordingError(f"chunk_frames = {chunk_frames}; must be at least 1")
         self.folder: Path = resolved(given_path(folder, "recording: folder"))

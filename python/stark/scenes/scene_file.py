@@ -241,15 +241,13 @@ def _require_arguments(name: str, function: Callable[..., Any], attribute: str, 
 
 def _warn_of_misspelt(module: ModuleType, name: str) -> None:
     """Of functions that are nearly called what a scene file may define."""
-    import difflib  # not at start-up
-
     for attribute, value in vars(module).items():
         is_its_own = inspect.isfunction(value) and value.__module__ == module.__name__
         if not is_its_own or attribute in _FUNCTIONS or attribute.startswith("_"):
             continue
-        near = difflib.get_close_matches(attribute, _FUNCTIONS, n=1, cutoff=0.75)
-        if near and not hasattr(module, near[0]):
-            warn(f"scene '{name}': stark does not call {attribute}(); if {near[0]}() is meant, rename it")
+        near = nearest(attribute, _FUNCTIONS, cutoff=0.75)
+        if near and not hasattr(module, near):
+            warn(f"scene '{name}': stark does not call {attribute}(); if {near}() is meant, rename it")
 
 
 def _checked(module: ModuleType, name: str) -> SceneFile:

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <stark/base/smooth_step.h>
+
 namespace stark {
 
 namespace {
@@ -40,11 +42,6 @@ Vec3 in_plane(const Index3& t, const Vec3& point, std::span<const Vec3> x) {
 
 /// Part of the depth of the vertex in its contact distance from which the site carries all of its share.
 constexpr double kCarries = 0.5;
-
-double smooth_step(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
 
 }  // namespace
 

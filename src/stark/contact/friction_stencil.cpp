@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include <stark/base/smooth_step.h>
 #include <stark/geometry/edge_lookup.h>
 
 namespace stark {
@@ -98,8 +99,8 @@ FrictionStencil crossing_rods(const Contact& contact, const Index2& a, const Ind
   const double squared = squared_norm(area), sine = squared / (squared_norm(e_a) * squared_norm(e_b));
   if (!(sine > kParallel)) return stencil;
   stencil.facing = area / std::sqrt(squared);
-  const double t = std::min(1.0, (sine - kParallel) / (kCrossing - kParallel));
-  const double height = dot(gap_vector(contact, x), stencil.facing) * t * t * (3.0 - 2.0 * t);
+  const double crossing = smooth_step((sine - kParallel) / (kCrossing - kParallel));
+  const double height = dot(gap_vector(contact, x), stencil.facing) * crossing;
   const Vec3 s_a = cross(e_b, area) * (height / squared), s_b = cross(area, e_a) * (height / squared);
   add(stencil, a[0], 0.0, -s_a);
   add(stencil, a[1], 0.0, s_a);

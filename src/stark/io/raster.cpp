@@ -7,6 +7,7 @@
 #include <string>
 
 #include <stark/base/error.h>
+#include <stark/base/smooth_step.h>
 #include <stark/base/thread_pool.h>
 #include <stark/io/detail/raster_scene.h>
 
@@ -26,10 +27,7 @@ const Vec3 kGroundColor{0.80, 0.81, 0.83};  // sRGB
 
 Vec3 multiply(const Vec3& a, const Vec3& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 Vec3 mix(const Vec3& a, const Vec3& b, double t) { return a + t * (b - a); }
-double smoothstep(double low, double high, double x) {
-  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
+double smoothstep(double low, double high, double x) { return smooth_step((x - low) / (high - low)); }
 
 double linear_from_srgb(double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); }
 Vec3 linear_from_srgb(const Vec3& c) {

@@ -40,7 +40,7 @@ std::vector<Gap> gaps_of(const Joint& joint, std::span<const double> C, const Jo
 
 /// In three digits where these show that it is beyond its tolerance.
 std::string size_text(const Gap& gap) {
-  const char* unit = gap.unit == ResidualUnit::Length ? "m" : "rad";
+  const char* unit = unit_of(gap.unit);
   return gap.size > 1.01 * gap.tolerance ? rough_text(gap.size, unit) : quantity_text(gap.size, unit);
 }
 

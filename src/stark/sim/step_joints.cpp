@@ -21,8 +21,6 @@ double unwrap(double raw, double previous) {
   return raw + kTurn * std::round((previous - raw) / kTurn);
 }
 
-const char* unit_of(ResidualUnit unit) { return unit == ResidualUnit::Length ? "m" : "rad"; }
-
 /// Residual over its tolerance between steps: rounding of what moves as one.
 constexpr double kRounding = 1.001;
 
@@ -56,6 +54,8 @@ Vec3 vector_at(std::span<const double> numbers, int64_t first) {
 ConstraintTolerance joint_tolerance(const JointSettings& settings) {
   return {settings.length_tolerance, settings.angle_tolerance};
 }
+
+const char* unit_of(ResidualUnit unit) { return unit == ResidualUnit::Length ? "m" : "rad"; }
 
 std::string residual_text(double residual, ResidualUnit unit) {
   return quantity_text(residual, unit_of(unit));

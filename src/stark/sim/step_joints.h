@@ -18,6 +18,7 @@ inline constexpr double kReleased = 0.0, kHeld = 1.0, kBroken = -1.0;
 ConstraintTolerance joint_tolerance(const JointSettings& settings);
 
 /// "0.1 m", "0.1 rad".
+const char* unit_of(ResidualUnit unit);
 std::string residual_text(double residual, ResidualUnit unit);
 
 /// Power [W] that an actuator fed into the motion in the last step.

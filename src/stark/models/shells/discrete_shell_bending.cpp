@@ -27,7 +27,7 @@ PotentialDefinition discrete_shell_bending() {
                        [](PotentialBuilder& b) {
                          const Scalar k = b.parameter("bending_stiffness", "J", "bending stiffness");
                          const HingeGeometry rest = rest_hinge(b);
-                         const Scalar theta = fold_angle(hinge(b.x(0), b.x(1), b.x(2), b.x(3)));
+                         const Scalar theta = fold_angle(hinge_at(b, &PotentialBuilder::x));
                          const Scalar elastic = 0.5 * k * square(theta - fold_angle(rest));
                          return (elastic + viscous_energy(b)) * hinge_weight(b) * squared_norm(rest.edge);
                        });

@@ -21,7 +21,11 @@ inline Scalar fold_angle(const HingeGeometry& h) {
   return atan2(sine, dot(h.normal_a, h.normal_b));
 }
 
-inline HingeGeometry rest_hinge(PotentialBuilder& b) { return hinge(b.X(0), b.X(1), b.X(2), b.X(3)); }
+inline HingeGeometry hinge_at(PotentialBuilder& b, PotentialBuilder::Position at) {
+  return hinge((b.*at)(0), (b.*at)(1), (b.*at)(2), (b.*at)(3));
+}
+
+inline HingeGeometry rest_hinge(PotentialBuilder& b) { return hinge_at(b, &PotentialBuilder::X); }
 
 /// 3 / (A_a + A_b) of the rest shape [1/m^2].
 inline Scalar hinge_weight(PotentialBuilder& b) {
@@ -32,8 +36,8 @@ inline Scalar hinge_weight(PotentialBuilder& b) {
 /// d/(2 h) (theta - theta_n)^2 [J].
 inline Scalar viscous_energy(PotentialBuilder& b) {
   const Scalar d = b.parameter("bending_damping", "J s", "viscosity of the fold angle rate");
-  const Scalar theta = fold_angle(hinge(b.x(0), b.x(1), b.x(2), b.x(3)));
-  const Scalar theta_prev = fold_angle(hinge(b.x_prev(0), b.x_prev(1), b.x_prev(2), b.x_prev(3)));
+  const Scalar theta = fold_angle(hinge_at(b, &PotentialBuilder::x));
+  const Scalar theta_prev = fold_angle(hinge_at(b, &PotentialBuilder::x_prev));
   return 0.5 * d / b.time_step() * square(theta - theta_prev);
 }
 

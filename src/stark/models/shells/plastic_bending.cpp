@@ -17,7 +17,7 @@ PotentialDefinition plastic_bending() {
         const auto before = b.internal("plastic_angle", {0.0}, "rad", "plastic part of the fold angle");
         const Scalar p = b.internal("plastic_work", {0.0}, "J", "plastic work as without hardening")[0];
         const Scalar weight = hinge_weight(b), squared_length = squared_norm(rest_hinge(b).edge);
-        const Scalar theta = fold_angle(hinge(b.x(0), b.x(1), b.x(2), b.x(3)));
+        const Scalar theta = fold_angle(hinge_at(b, &PotentialBuilder::x));
         const Scalar trial = theta - b.data("rest_angle", "rad", "fold angle at rest") - before[0];
         // With the area 1/weight of the hinge, 1/(area yield^2) turns work into the curvature it is of.
         const Scalar H = hardening * weight / square(yield);
