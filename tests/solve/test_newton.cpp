@@ -406,6 +406,30 @@ TEST_CASE("the iteration limit is kept") {
   CHECK_FALSE(is_success(report.status));
 }
 
+TEST_CASE(
+    "a minimisation whose residual falls gets more iterations than the limit, up to five times as many") {
+  const auto run = [](double bound, double tolerance, int limit) {
+    NewtonSettings settings = tight();
+    settings.residual_tolerance = tolerance;
+    settings.step_tolerance = 0.0;
+    settings.max_iterations = limit;
+    Analytic objective(quadratic, {1.0, 1.0, 1.0});
+    objective.bound = bound;  // each iteration leaves 1 - bound of the residual
+    Solver solver(settings);
+    return solver.minimize(objective);
+  };
+  const SolveReport fast = run(0.02, 1e-2, 200);  // a hundred iterations leave 13 %
+  CHECK(fast.status == SolveStatus::Converged);
+  CHECK(fast.iterations > 200);
+  CHECK(run(0.02, 1e-2, 100).iterations == 100);   // before anything could be compared
+  const SolveReport slow = run(0.005, 1e-2, 200);  // 61 %
+  CHECK(slow.status == SolveStatus::MaxIterations);
+  CHECK(slow.iterations == 200);
+  const SolveReport endless = run(0.01, 1e-20, 200);  // 37 %
+  CHECK(endless.status == SolveStatus::MaxIterations);
+  CHECK(endless.iterations == 1000);
+}
+
 TEST_CASE("tolerances: all active ones must hold, or any of them") {
   NewtonSettings settings{.acceleration_tolerance = 0.0, .residual_tolerance = 1e9, .step_tolerance = 1e-6};
   Analytic all(cosh_sum, {2.0, -1.5, 1.0});

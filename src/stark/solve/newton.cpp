@@ -13,18 +13,15 @@ constexpr int kProjectedIterations =
 constexpr int kRoundOffIterations = 4;  ///< full steps taken where energy differences are rounding errors
 constexpr int kUnsureSteps = 8;         ///< full steps on the basis of the gradient, between refreshes
 constexpr double kSmallestShift = 1e-12, kShiftGrowth = 100.0;  ///< of the diagonal of an unsolvable matrix
-constexpr double kTinyStep = 1e-6;      ///< step lengths below it make no progress ...
-constexpr int kTinyStepLimit = 12;      ///< ... and so many in a row end the minimisation
-constexpr double kUnmoved = 1e-6;       ///< velocity that an obstacle may take in silence [m/s]
-constexpr int kCutShortLimit = 12;      ///< iterations beyond the tolerances for directions cut short
-constexpr int kLagUpdateLimit = 100;    ///< updates of lagged quantities; joints need a few
-constexpr int kEarlyRefreshLimit = 12;  ///< updates of friction before the first solution
-constexpr int kFullStepsWithout = 16;   ///< half of the residual, from which friction of impacts counts
-constexpr double kFull = 0.9;           ///< length of steps that nothing has held back
-constexpr double kModelled =
-    0.35;  ///< relative error of the decrease of a full step, below which the next is short
-constexpr double kFrozen = 10.0;  ///< tolerances below which friction stays as it is until all is converged
-constexpr double kNear = 5.0;     ///< motions over their tolerance from where the next may converge
+constexpr double kTinyStep = 1e-6;       ///< step lengths below it make no progress ...
+constexpr int kTinyStepLimit = 12;       ///< ... and so many in a row end the minimisation
+constexpr double kUnmoved = 1e-6;        ///< velocity that an obstacle may take in silence [m/s]
+constexpr int kCutShortLimit = 12;       ///< iterations beyond the tolerances for directions cut short
+constexpr int kBudgetPart = 100;         ///< iterations after which a long minimisation is judged ...
+constexpr double kStillFalls = 0.5;      ///< ... by its lowest residual, over that of the part before
+constexpr int kBudgets = 5;              ///< newton.max_iterations that it may take
+constexpr int kLagUpdateLimit = 100;     ///< updates of lagged quantities; joints need a few
+constexpr double kNear = 5.0;            ///< motions over their tolerance from where the next may converge
 constexpr double kWorthGuessing = 10.0;  ///< motions over their tolerance from which a guess is worth it
 constexpr double kPushed = 1e-4;      ///< rise of contact energy over the gain of a guess that hits something
 constexpr double kStandstill = 0.01;  ///< motions over their tolerance that move next to nothing
@@ -111,8 +108,7 @@ std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
   report_.is_at_rounding = false;
   progress_.stands_still = stands_still(before);
   const bool converged = !pending && has_converged(objective);
-  if (!converged && report_.iterations >= settings_.max_iterations)
-    return pending ? SolveStatus::Blocked : SolveStatus::MaxIterations;
+  if (is_used_up() && !converged) return pending ? SolveStatus::Blocked : SolveStatus::MaxIterations;
 
   if (pending && is_static_ && moves_prescribed_alone(objective)) {
     ++report_.iterations;
@@ -159,6 +155,20 @@ void NewtonSolver::trust_hessian(SolveStatus searched, bool pending) {
   progress_.simplified_limit = !pending && is_full && is_near ? kContraction * report_.last_motion : 0.0;
 }
 
+// Half of the step takes more than half of the iterations, and what has been gained is lost: sheets that a
+// press sweeps together come to rest at last in hundreds of short steps.
+bool NewtonSolver::is_used_up() {
+  progress_.lowest = std::min(progress_.lowest, report_.residual);
+  if (report_.iterations > 0 && report_.iterations % kBudgetPart == 0) {
+    progress_.still_falls =
+        std::isfinite(progress_.lowest_before) && progress_.lowest < kStillFalls * progress_.lowest_before;
+    progress_.lowest_before = progress_.lowest;
+    progress_.lowest = std::numeric_limits<double>::infinity();
+  }
+  const int budgets = progress_.still_falls ? kBudgets : 1;
+  return report_.iterations >= budgets * settings_.max_iterations;
+}
+
 // Whose end lies behind something takes many iterations to get there, and will be thrown away.
 bool NewtonSolver::goes_around() {
   if (!is_way_clear_ || !looks_early_) return false;
@@ -184,51 +194,6 @@ void NewtonSolver::look_back(Objective& objective) {
   objective.evaluate_gradient(gradient_);
   read_gradient(objective);
   if (meets_tolerances(found) && !meets_tolerances(report_) && objective.take_back()) report_ = found;
-}
-
-// Lagged quantities of the start of the step are far off, and what is minimised with them is far from what
-// is minimised with those of the end; near a solution they stay as they are, so that there is one.
-void NewtonSolver::refresh_early(Objective& objective) {
-  if (report_.lag_updates > 0) return;
-  const bool is_near = meets_tolerances(report_, kFrozen);
-  if (makes_no_headway() && !is_near && progress_.late_refreshes < kEarlyRefreshLimit) {
-    ++progress_.late_refreshes;
-    objective.refresh_early(Lagged::All);
-    return;
-  }
-  if (progress_.early_refreshes >= kEarlyRefreshLimit) return;
-  if (is_near || leads_nowhere()) {
-    progress_.early_refreshes = kEarlyRefreshLimit;
-    return;
-  }
-  ++progress_.early_refreshes;
-  objective.refresh_early(Lagged::FromStart);
-}
-
-// Without the friction of impacts, sheets that a press sweeps together slide off sideways, held by hardly
-// more than their inertia: full steps that leave the forces as they are.
-bool NewtonSolver::makes_no_headway() {
-  const bool is_full = report_.last_step_length >= kFull;
-  if (report_.residual < 0.5 * progress_.halved_residual) {
-    progress_.halved_residual = report_.residual;
-    progress_.full_steps = 0;
-  } else if (is_full) {
-    ++progress_.full_steps;
-  }
-  return is_full && progress_.full_steps >= kFullStepsWithout;
-}
-
-// A full step that gains what its model promises ends near the minimum. If the next step is as long all the
-// same, the refresh has moved the minimum, and the next refresh would move it back: friction at the limit of
-// sticking would go to and fro until kEarlyRefreshLimit.
-bool NewtonSolver::leads_nowhere() {
-  const double promised = 0.5 * report_.last_slope;
-  const bool is_modelled = report_.last_step_length == 1.0 && progress_.is_hessian_exact &&
-                           std::fabs(report_.last_difference - promised) <= kModelled * std::fabs(promised);
-  const bool is_as_long = report_.last_motion > kContraction * progress_.modelled_motion;
-  const bool was_modelled = progress_.modelled_motion > 0.0;
-  progress_.modelled_motion = is_modelled ? report_.last_motion : 0.0;
-  return is_modelled && was_modelled && is_as_long;
 }
 
 std::optional<SolveStatus> NewtonSolver::refresh_lagged(Objective& objective, SolveStatus reached) {

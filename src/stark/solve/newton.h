@@ -62,7 +62,10 @@ class NewtonSolver {
     int early_refreshes = 0;    ///< of lagged quantities, before anything has converged
     int full_steps = 0;         ///< since the residual was halved last ...
     double halved_residual = std::numeric_limits<double>::infinity();  ///< ... to this [N]
-    int late_refreshes = 0;         ///< the same of all of them, in minimisations that take long
+    int late_refreshes = 0;  ///< the same of all of them, in minimisations that take long
+    /// Lowest residual [N] of this part of the iterations, and of the one before.
+    double lowest = std::numeric_limits<double>::infinity(), lowest_before = lowest;
+    bool still_falls = false;       ///< whether it fell from part to part
     int static_patience = 0;        ///< iterations that met the tolerances, but moved by too much of the way
     double way = 0.0;               ///< sum of the motions of all steps [m]
     double static_rounding = 0.0;   ///< motion below which static minimisations are over [m]
@@ -129,6 +132,8 @@ class NewtonSolver {
   bool take_unsure_step(Objective& objective);
   /// Whether the iterate after a step is so near that the next direction may do without a new Hessian.
   void trust_hessian(SolveStatus searched, bool pending);
+  /// Whether newton.max_iterations are used up, or a few times as many while the residual falls.
+  bool is_used_up();
   /// Brings lagged quantities up to date on the way to the first solution with them.
   void refresh_early(Objective& objective);
   /// Whether full steps have not halved the residual for long.
