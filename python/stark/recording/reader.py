@@ -88,6 +88,10 @@ class Recording:
             for group in ("settings", "summary"):
                 if not isinstance(self.manifest.get(group, {}), dict):
                     raise TypeError(f"{group} must be an object")
+            gravity = self.settings.get("gravity", [0.0, 0.0, 0.0])
+            is_vector = isinstance(gravity, list) and len(gravity) == 3 and None not in gravity
+            if not is_vector or not all(map(_is_number, gravity)):
+                raise TypeError("gravity must be a list of three numbers")
             observables = self.manifest.get("summary", {}).get("observables", {})
             if not isinstance(observables, dict) or not all(map(_is_number, observables.values())):
                 raise TypeError("observables must be an object of numbers")

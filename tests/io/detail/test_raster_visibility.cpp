@@ -1,7 +1,9 @@
 // The z-buffers against casting a ray through every sample. [Moeller, Trumbore 1997]
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -137,4 +139,45 @@ TEST_CASE("outside of its square a shadow map lights everything") {
   map.draw(std::vector{roof});
   CHECK(map.visibility({0, 0, 0}, {0, 0, 1}) == 0.0);
   CHECK(map.visibility({2, 0, 0}, {0, 0, 1}) == 1.0);
+}
+
+TEST_CASE("a light of some size casts a penumbra that grows with the distance") {
+  constexpr double kSpread = 0.1;
+  for (const double height : {0.2, 0.4, 0.8}) {
+    // Half of the plane is covered, and the light is seen past the edge as a disk behind a straight screen.
+    stark::raster::ShadowMap map({0, 0, 1}, {0, 0, 0}, 1.0, 256, kSpread);
+    const Triangle roof{{Vec3{0, -9, height}, Vec3{0, 9, height}, Vec3{-9, 0, height}}, {0, 0, 1}, 0};
+    map.draw(std::vector{roof});
+    double before = 0.0, error = 0.0;
+    for (double t = -1.5; t < 1.5; t += 0.05) {
+      const double x = t * kSpread * height, c = std::clamp(t, -1.0, 1.0);
+      const double seen = 1.0 - (std::acos(c) - c * std::sqrt(1.0 - c * c)) / std::numbers::pi;
+      const double share = map.visibility({x, 0.013, 0.0}, {0, 0, 1});
+      CHECK(share >= before);
+      error = std::max(error, std::fabs(share - seen));
+      before = share;
+    }
+    CHECK(error < 0.2);  // of eight samples and texels of 8 mm
+    CHECK(map.visibility({-0.5, 0, 0}, {0, 0, 1}) == 0.0);
+    CHECK(map.visibility({0.5, 0, 0}, {0, 0, 1}) == 1.0);
+  }
+}
+
+TEST_CASE("a surface under a slanting light of some size does not shade itself") {
+  for (const double slant : {0.2, 0.5, 0.8}) {
+    const Vec3 light = stark::normalized(Vec3{std::sin(slant), 0.3, std::cos(slant)});
+    stark::raster::ShadowMap map(light, {0, 0, 0}, 2.0, 256, 0.3);
+    const Triangle floor{{Vec3{-9, -9, 0}, Vec3{9, -9, 0}, Vec3{0, 9, 0}}, {0, 0, 1}, 0};
+    const Triangle roof{{Vec3{-0.2, -0.1, 0.9}, Vec3{0.2, -0.1, 0.9}, Vec3{0, 0.2, 0.9}}, {0, 0, 1}, 0};
+    map.draw(std::vector{floor, roof});
+    int shaded = 0;
+    for (double x = -1.0; x <= 1.0; x += 0.037)
+      for (double y = -1.0; y <= 1.0; y += 0.041) {
+        const Vec3 foot{x + light.x / light.z * 0.9, y + light.y / light.z * 0.9, 0.9};
+        const bool is_clear = norm(foot - Vec3{0, 0, 0.9}) > 0.3 + 0.3 * 0.9 / light.z / light.z;
+        if (is_clear) CHECK(map.visibility({x, y, 0}, {0, 0, 1}) == 1.0);
+        shaded += map.visibility({x, y, 0}, {0, 0, 1}) < 0.99 ? 1 : 0;
+      }
+    CHECK(shaded > 0);
+  }
 }

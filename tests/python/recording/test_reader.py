@@ -125,6 +125,11 @@ def _flip_a_byte(path: Path) -> None:
         (lambda f: _edit_manifest(f, version=99), "format version 99; this Stark reads 1"),
         (lambda f: _edit_manifest(f, frame_count=7), "its manifest says 7"),
         (lambda f: _edit_manifest(f, bodies=[{"name": "x"}]), "lacks or breaks an entry"),
+        (
+            lambda f: _edit_manifest(f, settings={"gravity": ["down", 0, 0]}),
+            "gravity must be a list of three",
+        ),
+        (lambda f: _edit_manifest(f, settings={"gravity": [0, 0, None]}), "gravity must be a list of three"),
         (lambda f: _edit_manifest(f, bodies=[]), "manifest"),
     ],
 )

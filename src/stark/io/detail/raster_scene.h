@@ -27,25 +27,52 @@ struct TriangleScene {
 /// Checks the meshes and flattens them. Throws InvalidArgument.
 TriangleScene flatten(std::span<const RasterMesh> meshes);
 
-/// Depth map of a directional light over a square around the scene; depth grows away from the light.
+/// Depth map of a light over a square around the scene; depth grows away from the light.
 class ShadowMap {
  public:
-  /// `towards_light` is a unit vector, `reach` half the side of the square [m].
-  ShadowMap(const Vec3& towards_light, const Vec3& center, double reach, int resolution);
+  /// `towards_light` is a unit vector, `reach` half the side of the square [m]. `spread` is the tangent of
+  /// the half angle under which the light is seen; 0: as a point, with sharp shadows.
+  ShadowMap(const Vec3& towards_light, const Vec3& center, double reach, int resolution, double spread = 0.0);
 
   void draw(std::span<const Triangle> triangles);
 
-  /// Share of the light in [0, 1] that arrives at a point, filtered over 2x2 texels; 1 outside the square.
-  /// `normal` must look towards the light's side; the point is lifted along it against self-shadowing.
+  /// Share of the light in [0, 1] that arrives at a point; 1 outside the square. `normal` must look towards
+  /// the light's side; the point is lifted along it against self-shadowing.
   double visibility(const Vec3& point, const Vec3& normal) const;
 
   const Vec3& towards_light() const { return towards_light_; }
 
  private:
+  /// Where a point is on the map [texels], and its depth [m]; the plane that it lies in gets deeper by
+  /// `slope` from texel to texel.
+  struct Place {
+    double x, y, depth;
+    std::array<double, 2> slope;
+  };
+  Place place_of(const Vec3& point, const Vec3& normal) const;
+  bool is_inside(const Place& place) const;
+  double texel() const { return 2.0 * reach_ / resolution_; }
+
+  /// Of the texels within a radius of blur: the nearest depth, or one nearer still.
+  float nearest_around(const Place& place) const;
+  /// Filtered over 2x2 texels.
+  double sharp(const Place& place) const;
+  /// Filtered over the penumbra of what is in the way.
+  double blurred(const Place& place) const;
+  /// Radius of the penumbra of what is at a depth [texels].
+  double penumbra(const Place& place, double depth) const;
+  /// What is in the way within a radius [texels]: the share of the samples, and its mean depth [m].
+  struct Blockers {
+    double share = 0.0, depth = 0.0;
+  };
+  Blockers look(const Place& place, double radius, std::span<const std::array<double, 2>> samples) const;
+  void find_nearest();
+
   Vec3 towards_light_, right_, up_, center_;
-  double reach_;
+  double reach_, spread_;
   int resolution_;
   std::vector<float> depth_;
+  std::vector<float> nearest_;  ///< by tile, of it and those around
 };
 
 /// Visible triangle of every sample: index into TriangleScene::triangles, or -1.

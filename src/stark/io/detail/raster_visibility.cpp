@@ -2,10 +2,33 @@
 #include <stark/io/detail/raster_scene.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 namespace stark::raster {
 namespace {
+
+constexpr int kTile = 16;  ///< texels; the largest radius of a penumbra
+constexpr double kReach =
+    2.0 * kTile;                ///< along an axis, from a place to the ends of what is nearest around it
+constexpr double kSharp = 1.0;  ///< radius of a penumbra [texels] that filtering 2x2 texels gives
+constexpr double kSteepest =
+    0.1;  ///< cosine of the light on a surface, below which it is as good as along it
+
+/// Samples of the unit disk: equal areas, no two in a line.
+template <int kCount>
+std::array<std::array<double, 2>, kCount> spiral() {
+  constexpr double kGoldenAngle = 2.399963229728653;
+  std::array<std::array<double, 2>, kCount> samples;
+  for (int i = 0; i < kCount; ++i) {
+    const double radius = std::sqrt((i + 0.5) / kCount), angle = kGoldenAngle * i;
+    samples[i] = {radius * std::cos(angle), radius * std::sin(angle)};
+  }
+  return samples;
+}
+const auto kFewSamples = spiral<5>();
+const auto kSamples = spiral<8>();
 
 /// A corner on the picture: x, y in samples, w linear over the picture (inverse depth, or depth for a light).
 struct ScreenPoint {
@@ -115,8 +138,13 @@ VisibilityBuffer draw_visibility(const TriangleScene& scene, const CameraFrame& 
   return buffer;
 }
 
-ShadowMap::ShadowMap(const Vec3& towards_light, const Vec3& center, double reach, int resolution)
-    : towards_light_(towards_light), center_(center), reach_(reach), resolution_(resolution) {
+ShadowMap::ShadowMap(const Vec3& towards_light, const Vec3& center, double reach, int resolution,
+                     double spread)
+    : towards_light_(towards_light),
+      center_(center),
+      reach_(reach),
+      spread_(spread),
+      resolution_(resolution) {
   const Vec3 other = std::fabs(towards_light.z) < 0.9 ? Vec3{0.0, 0.0, 1.0} : Vec3{0.0, 1.0, 0.0};
   right_ = normalized(cross(other, towards_light));
   up_ = cross(towards_light, right_);
@@ -136,24 +164,93 @@ void ShadowMap::draw(std::span<const Triangle> triangles) {
       depth = std::min(depth, static_cast<float>(w));
     });
   }
+  if (spread_ > 0.0) find_nearest();
+}
+
+void ShadowMap::find_nearest() {
+  const int tiles = (resolution_ + kTile - 1) / kTile;
+  nearest_.assign(static_cast<size_t>(tiles) * tiles, std::numeric_limits<float>::infinity());
+  for (int y = 0; y < resolution_; ++y)
+    for (int x = 0; x < resolution_; ++x) {
+      const float depth = depth_[static_cast<size_t>(y) * resolution_ + x];
+      for (int j = std::max(0, y / kTile - 1); j <= std::min(tiles - 1, y / kTile + 1); ++j)
+        for (int i = std::max(0, x / kTile - 1); i <= std::min(tiles - 1, x / kTile + 1); ++i) {
+          float& nearest = nearest_[static_cast<size_t>(j) * tiles + i];
+          nearest = std::min(nearest, depth);
+        }
+    }
+}
+
+float ShadowMap::nearest_around(const Place& place) const {
+  const int tiles = (resolution_ + kTile - 1) / kTile;
+  return nearest_[static_cast<size_t>(place.y) / kTile * tiles + static_cast<size_t>(place.x) / kTile];
+}
+
+ShadowMap::Place ShadowMap::place_of(const Vec3& point, const Vec3& normal) const {
+  // Lifting by the texel over which the surface is sampled removes the stripes of self-shadowing; the steeper
+  // the light, the less is needed.
+  const double cosine = std::max(kSteepest, dot(normal, towards_light_));
+  const double lift = texel() * std::min(2.0, std::sqrt(1.0 - std::min(1.0, cosine * cosine)) / cosine);
+  const Vec3 d = point + (1.3 * texel()) * normal - center_;
+  return {.x = (dot(d, right_) + reach_) / texel() - 0.5,
+          .y = (dot(d, up_) + reach_) / texel() - 0.5,
+          .depth = -dot(d, towards_light_) - 0.6 * lift,
+          .slope = {dot(normal, right_) / cosine * texel(), dot(normal, up_) / cosine * texel()}};
+}
+
+bool ShadowMap::is_inside(const Place& place) const {
+  return place.x >= 0.0 && place.y >= 0.0 && place.x < resolution_ - 1.0 && place.y < resolution_ - 1.0;
 }
 
 double ShadowMap::visibility(const Vec3& point, const Vec3& normal) const {
-  const double texel = 2.0 * reach_ / resolution_;
-  // Lifting by the texel over which the surface is sampled removes the stripes of self-shadowing; the steeper
-  // the light, the less is needed.
-  const double cosine = std::max(0.1, dot(normal, towards_light_));
-  const double lift = texel * std::min(2.0, std::sqrt(1.0 - std::min(1.0, cosine * cosine)) / cosine);
-  const Vec3 d = point + (1.3 * texel) * normal - center_;
-  const double x = (dot(d, right_) + reach_) / texel - 0.5, y = (dot(d, up_) + reach_) / texel - 0.5;
-  const double z = -dot(d, towards_light_) - 0.6 * lift;
-  const double fx = std::floor(x), fy = std::floor(y);
-  const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
-  if (!(x >= 0.0 && y >= 0.0) || ix + 1 >= resolution_ || iy + 1 >= resolution_) return 1.0;
-  const float* row = &depth_[static_cast<size_t>(iy) * resolution_ + ix];
+  const Place place = place_of(point, normal);
+  if (!is_inside(place)) return 1.0;
+  const bool is_soft = spread_ > 0.0 && dot(normal, towards_light_) > kSteepest;
+  return is_soft ? blurred(place) : sharp(place);
+}
+
+double ShadowMap::sharp(const Place& place) const {
+  const double fx = std::floor(place.x), fy = std::floor(place.y), z = place.depth;
+  const float* row = &depth_[static_cast<size_t>(fy) * resolution_ + static_cast<size_t>(fx)];
   const double a = z <= row[0], b = z <= row[1], c = z <= row[resolution_], e = z <= row[resolution_ + 1];
-  const double tx = x - fx, ty = y - fy;
+  const double tx = place.x - fx, ty = place.y - fy;
   return (a * (1.0 - tx) + b * tx) * (1.0 - ty) + (c * (1.0 - tx) + e * tx) * ty;
+}
+
+// Percentage-closer soft shadows [Fernando 2005]: what is in the way, then how much of the light is seen past
+// it.
+double ShadowMap::blurred(const Place& place) const {
+  // The surface itself is nearer to the light around the place; what is no nearer than that casts a sharp
+  // one.
+  const double own = kReach * (std::fabs(place.slope[0]) + std::fabs(place.slope[1]));
+  const float nearest = nearest_around(place);
+  if (place.depth - nearest <= own) return sharp(place);
+  const Blockers around = look(place, penumbra(place, nearest), kFewSamples);
+  if (around.share == 0.0) return 1.0;
+  const double radius = penumbra(place, around.depth);
+  return radius < kSharp ? sharp(place) : 1.0 - look(place, radius, kSamples).share;
+}
+
+double ShadowMap::penumbra(const Place& place, double depth) const {
+  return std::min(spread_ * (place.depth - depth) / texel(), static_cast<double>(kTile));
+}
+
+ShadowMap::Blockers ShadowMap::look(const Place& place, double radius,
+                                    std::span<const std::array<double, 2>> samples) const {
+  int blocked = 0;
+  double depths = 0.0;
+  for (const auto& [along_x, along_y] : samples) {
+    const double dx = radius * along_x, dy = radius * along_y;
+    const auto x = static_cast<int>(place.x + dx + 0.5), y = static_cast<int>(place.y + dy + 0.5);
+    if (x < 0 || y < 0 || x >= resolution_ || y >= resolution_) continue;
+    const float depth = depth_[static_cast<size_t>(y) * resolution_ + x];
+    if (place.depth + place.slope[0] * dx + place.slope[1] * dy <= depth) continue;
+    ++blocked;
+    depths += depth;
+  }
+  if (blocked == 0) return {};
+  return {.share = static_cast<double>(blocked) / static_cast<double>(samples.size()),
+          .depth = depths / blocked};
 }
 
 }  // namespace stark::raster
