@@ -142,7 +142,9 @@ class TriangleMesh(MeshBase):
     def volume(self) -> float:
         """Signed volume [m^3], positive when the triangles are oriented outwards; only of closed meshes."""
         a, b, c = corners_of(self.vertices, self.triangles, "TriangleMesh: triangles")
-        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+        # About one of its points: about the origin, a body 1 km away would be what rounding leaves.
+        o = a[:1]
+        return float(np.einsum("ij,ij->", a - o, np.cross(b - o, c - o)) / 6.0)
 
     @property
     def area(self) -> float:

@@ -26,6 +26,16 @@ def test_transformations() -> None:
     assert box.flipped().volume == pytest.approx(-1.0, rel=1e-13)
 
 
+def test_volumes_and_sides_of_surfaces_do_not_depend_on_where_they_are() -> None:
+    """About the origin, that of a ring 1 km away was 10 % off, and at 100 km rounding chose its outside."""
+    ring = mesh.torus(0.01, 0.004)
+    away = ring.translated((1e3, 2e3, -1e3))
+    assert away.volume == pytest.approx(ring.volume, rel=1e-8)
+    for there in (away, ring.translated((1e5, -1e5, 2e5))):
+        for given in (there, there.flipped()):
+            assert mesh.oriented(given).volume == pytest.approx(ring.volume, rel=1e-3)
+
+
 def test_areas_and_bounds_are_those_of_closed_forms() -> None:
     sheet = mesh.grid(2.0, 3.0, (4, 5))
     assert sheet.area == pytest.approx(6.0, rel=1e-13) and not sheet.is_closed
