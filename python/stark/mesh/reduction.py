@@ -15,6 +15,10 @@ from stark.mesh.conversion import as_triangle_mesh
 from stark.mesh.repair import merged, oriented
 from stark.mesh.types import TriangleMesh
 
+#: Diagonal of the bounds that fast-simplification is given: it takes edges in the order of their errors where
+#: these are above its thresholds, which are lengths. Of a cylinder of 0.1 m a third of the volume was lost.
+_SIZE = 100.0
+
 
 def simplified(mesh: Any, triangles: int) -> TriangleMesh:
     """About ``triangles`` triangles of a surface, placed by quadric error metrics (Garland and Heckbert
@@ -32,10 +36,15 @@ def simplified(mesh: Any, triangles: int) -> TriangleMesh:
         raise ImportError(
             "stark.mesh.simplified needs fast-simplification: pip install 'stark-sim[mesh]'"
         ) from error
+    low, high = surface.bounds
+    middle, size = (low + high) / 2.0, float(np.linalg.norm(high - low))
+    scale = _SIZE / size if size > 0.0 else 1.0
     vertices, faces = fast_simplification.simplify(
-        np.ascontiguousarray(surface.vertices), surface.triangles, target_count=count
+        np.ascontiguousarray((surface.vertices - middle) * scale), surface.triangles, target_count=count
     )
-    return TriangleMesh(np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int32))
+    return TriangleMesh(
+        np.asarray(vertices, dtype=np.float64) / scale + middle, np.asarray(faces, dtype=np.int32)
+    )
 
 
 def convex_hull(mesh: Any) -> TriangleMesh:
@@ -51,11 +60,15 @@ def convex_hull(mesh: Any) -> TriangleMesh:
     given = np.asarray(points, dtype=np.float64)
     if given.ndim != 2 or given.shape[1] != 3 or not np.isfinite(given).all():
         raise InvalidMesh(f"convex_hull: got the shape {given.shape}: must be finite points (n, 3) [m]")
-    hull = manifold3d.Manifold.hull_points(given).to_mesh64()
+    # About their middle: manifold3d drops what is small beside the distance from the origin.
+    middle = (given.min(axis=0) + given.max(axis=0)) / 2.0 if len(given) else np.zeros(3)
+    hull = manifold3d.Manifold.hull_points(given - middle).to_mesh64()
     spread = np.linalg.svd(given - given.mean(axis=0), compute_uv=False)
     if len(hull.tri_verts) == 0 or spread[-1] <= 1e-12 * spread[0]:
         raise InvalidMesh(f"convex_hull: the {len(given)} points enclose no volume: must not lie in a plane")
-    return TriangleMesh(np.asarray(hull.vert_properties)[:, :3], np.asarray(hull.tri_verts).astype(np.int32))
+    return TriangleMesh(
+        np.asarray(hull.vert_properties)[:, :3] + middle, np.asarray(hull.tri_verts).astype(np.int32)
+    )
 
 
 def convex_parts(

@@ -22,6 +22,28 @@ def test_a_simplified_ball_is_a_ball() -> None:
         stark.mesh.simplified(ball, 3)
 
 
+@pytest.mark.parametrize("size", [1e-3, 0.1, 1e3])
+def test_a_simplified_cylinder_is_one_at_any_size_and_place(size: float) -> None:
+    """Lengths are compared with errors inside: of small cylinders a third of the volume was lost."""
+    pytest.importorskip("fast_simplification")
+    rod = stark.mesh.cylinder(0.5, 1.0, 64, 20).scaled(size)
+    found = stark.mesh.simplified(rod, 134)
+    assert found.is_closed and abs(found.volume / rod.volume - 1.0) < 0.01
+    moved = stark.mesh.simplified(rod.translated((100.0 * size, 0, 0)), 134)
+    assert moved.volume == pytest.approx(found.volume, rel=1e-9)
+
+
+def test_the_hull_is_the_same_far_from_the_origin() -> None:
+    """It lost its small triangles 1 km away, and was a flat tetrahedron at 1,000 km."""
+    pytest.importorskip("manifold3d")
+    ring = stark.mesh.torus(0.05, 0.02)
+    here = stark.mesh.convex_hull(ring)
+    for away in (1e3, 1e6):
+        there = stark.mesh.convex_hull(ring.translated((away, -away, 0)))
+        assert len(there.triangles) == len(here.triangles)
+        assert there.volume == pytest.approx(here.volume, rel=1e-6)
+
+
 def test_the_hull_of_a_box_with_a_dent_is_the_box() -> None:
     pytest.importorskip("manifold3d")
     box = stark.mesh.box((1, 2, 3), 4)
