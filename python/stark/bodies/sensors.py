@@ -227,7 +227,9 @@ class ContactSensors(BodyHandle):
 
     def contact_area(self, other: BodyHandle | str | None = None) -> float:
         """Area of the triangles all of whose vertices touch something, or another body [m^2]. The resolution
-        is that of the mesh: of two bodies, ask the finer one."""
+        is that of the mesh: of two bodies, ask the finer one. Raises InvalidArgument for rods, which have no
+        triangles."""
+        self._require_triangles("contact_area")
         contacts = self.contacts(other)
         touching = self._touching(contacts, self._flat_patches(contacts))
         return float(self._triangle_areas()[touching].sum())
@@ -236,7 +238,9 @@ class ContactSensors(BodyHandle):
         """Normal contact force over the area that belongs to each vertex (n,) [Pa]: a third of its triangles,
         or of those that touch where there are any; of hexahedra and quadratic tetrahedra what their shape
         functions have of their faces. Flat faces of rigid bodies that have vertices inside them
-        show their mean: how a rigid face shares its load is not determined."""
+        show their mean: how a rigid face shares its load is not determined. Raises InvalidArgument for rods,
+        which have no triangles."""
+        self._require_triangles("contact_pressure")
         contacts = self.contacts(other)
         forces = np.linalg.norm(contacts._spread(contacts.normal_forces, len(self.positions)), axis=1)
         patches = self._flat_patches(contacts)
@@ -246,6 +250,13 @@ class ContactSensors(BodyHandle):
         for patch in patches:
             pressure[patch] = shares.mean_pressure(forces, patch)
         return pressure
+
+    def _require_triangles(self, what: str) -> None:
+        if len(self.triangles) == 0:
+            raise InvalidArgument(
+                f"'{self.name}': {what}: a {self.kind} has no triangles: must be a body with a surface; ask "
+                f"the other body, or read contact_forces, those on its nodes [N]"
+            )
 
     def _touching(self, contacts: Contacts, patches: list[Ints]) -> NDArray[np.bool_]:
         """Triangles whose vertices all are in contact as points, not as corners of a face that is touched, or

@@ -55,3 +55,16 @@ def test_faces_that_touch_in_part_carry_all_of_the_force(element: str) -> None:
     assert np.isfinite(pressure).all() and (pressure >= 0.0).all()
     touched = pressure > 1e-3 * pressure.max()
     assert np.abs(np.asarray(block.positions)[touched, :2]).max() < 0.11
+
+
+def test_rods_have_no_area_to_spread_their_force_over() -> None:
+    """The area was 0 without a word, the pressure an error of NumPy about shapes."""
+    scene = stark.Scene()
+    floor = scene.add_floor()
+    cord = scene.add_rod(stark.mesh.polyline((0, 0, 0.002), (0.2, 0, 0.002), 8), stark.materials.rubber_cord)
+    sim = stark.Simulation(scene)
+    sim.step()
+    for read in (lambda: cord.contact_area(floor), lambda: cord.contact_pressure(floor)):
+        with pytest.raises(stark.InvalidArgument, match=r"'rod': contact_.*a rod has no triangles"):
+            read()
+    assert floor.contact_pressure(cord).shape == (4,)
