@@ -8,14 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument, InvalidMesh
-from stark.mesh.arguments import Indices, corners_of, numbers_of
+from stark.mesh.arguments import Indices, Points, corners_of, numbers_of
 from stark.mesh.types import TetMesh, TriangleMesh, compact
 from stark.overloads import overload
 
+#: Odd numbers by which the cells of a grid get one number each, and neighbours those next to it, modulo 2^64.
+_MIXED = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+
 
 def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
-    """Copy in which vertices at the same place (within ``tolerance`` [m] on a grid) are one; collapsed
-    triangles go."""
+    """Copy in which vertices at the same place are one; collapsed triangles go. With a ``tolerance`` [m]
+    those of one cell of a grid of that size are one, and the first ones of cells that lie beside each other,
+    if they are no farther apart."""
     if not isinstance(mesh, TriangleMesh):
         raise InvalidMesh(f"merged: got {type(mesh).__name__}: must be a TriangleMesh")
     grid = numbers_of(tolerance)
@@ -23,14 +27,43 @@ def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
         raise InvalidArgument(f"merged: tolerance = {tolerance!r} m: must be a number >= 0")
     corners_of(mesh.vertices, mesh.triangles, "merged: triangles")
     keys = mesh.vertices if grid == 0.0 else np.round(mesh.vertices / grid)
-    _, first, renumbered = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    cells, first, renumbered = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)  # keeps the order of the file
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
-    triangles = rank[renumbered.reshape(-1)][mesh.triangles]
+    vertices, numbers = mesh.vertices[first[order]], rank[renumbered.reshape(-1)]
+    if grid > 0.0:
+        numbers = _across_cells(cells[order], vertices, float(grid))[numbers]
+    triangles = numbers[mesh.triangles]
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
-    return compact(TriangleMesh(mesh.vertices[first[order]], triangles.astype(np.int32)))
+    return compact(TriangleMesh(vertices, triangles.astype(np.int32)))
+
+
+def _across_cells(cells: Points, vertices: Points, reach: float) -> NDArray[np.int64]:
+    """For each of the vertices, one in a cell, the first one in the cells around it that is within reach and
+    has not joined another; itself where there is none (n,). A grid alone would part what lies on either side
+    of a border, however near."""
+    cells = np.nan_to_num(cells, posinf=0.0, neginf=0.0)
+    numbers = (cells - cells.min(axis=0, initial=0.0)).astype(np.uint64) @ _MIXED
+    order = np.argsort(numbers)
+    pairs = []
+    for beside in np.ndindex(3, 3, 3):
+        offset = np.array(beside) - 1
+        if tuple(offset) <= (0, 0, 0):
+            continue  # each two cells once
+        wanted = numbers + offset.astype(np.uint64) @ _MIXED
+        place = np.minimum(np.searchsorted(numbers, wanted, sorter=order), len(order) - 1)
+        mine = np.flatnonzero(numbers[order[place]] == wanted)
+        other = order[place[mine]]
+        near = np.linalg.norm(vertices[mine] - vertices[other], axis=1) <= reach
+        pairs.append(np.sort(np.column_stack([mine[near], other[near]]), axis=1))
+    rows = np.concatenate(pairs)
+    joins = np.arange(len(vertices))
+    for one, later in rows[np.lexsort((rows[:, 0], rows[:, 1]))].tolist():
+        if joins[one] == one and joins[later] == later:
+            joins[later] = one
+    return joins
 
 
 def whole(surface: TriangleMesh) -> TriangleMesh:
