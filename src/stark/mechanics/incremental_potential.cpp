@@ -318,8 +318,10 @@ bool IncrementalPotential::restore_settled() {
 
 bool IncrementalPotential::has_run_away() const {
   if (!std::isfinite(motion_limit_)) return false;
-  for (size_t i = 0; i < x_.size(); ++i)
-    if (squared_norm(x_[i] - x_start_[i]) > motion_limit_ * motion_limit_) return true;
+  for (size_t i = 0; i < x_.size(); ++i) {
+    const bool is_place = map_.site(static_cast<int32_t>(i)).kind != SiteKind::RigidDirection;
+    if (is_place && squared_norm(x_[i] - x_start_[i]) > motion_limit_ * motion_limit_) return true;
+  }
   return false;
 }
 

@@ -180,10 +180,10 @@ PlateElement bending_element(std::span<const Vec3> X, const Index3& triangle,
 }
 
 /// The hinge at edge `shared` to `beyond` of the neighbour at `side` of a whole triangle, with the vertex
-/// `far` beyond: held at the angle that the triangle's curvature predicts.
+/// `far` beyond: held at the angle that the triangle's curvature predicts. `part`: of several predictions.
 PlateElement boundary_element(std::span<const Vec3> X, const Index3& triangle,
                               const std::vector<Hinge>& hinges, int side, int32_t shared, int32_t far,
-                              double area) {
+                              double area, double part) {
   PlateElement element = place_element(triangle, hinges, side);
   auto& v = element.vertices;
   if (v[0] != shared) {  // seen from the other side of the surface, where it is first
@@ -199,7 +199,7 @@ PlateElement boundary_element(std::span<const Vec3> X, const Index3& triangle,
   Vec3 share = transpose(inverse(fold_rates(p, element))) * rates;
   if (!(max_abs(share) < kLargestShare)) share = {};
   const std::array<double, 4> d{-share.x, -share.y, -share.z, 1.0};
-  const double weight = squared_norm(X[v[3]] - X[v[0]]) / area;
+  const double weight = part * squared_norm(X[v[3]] - X[v[0]]) / area;
   element.form = form_of(element, [&](int r, int c) { return weight * d[r] * d[c]; });
   return element;
 }
@@ -233,17 +233,25 @@ class PlateBuilder {
   int32_t triangle_count() const { return static_cast<int32_t>(triangles_.size()); }
   bool is_whole(int32_t t) const { return hinges_[t].size() == 3; }
 
-  /// A hinge between two triangles at the boundary: predicted by a whole neighbour, or left to the triangle
-  /// that knows more of its own curvature.
+  /// A hinge between two triangles at the boundary: predicted by their whole neighbours, all of them, so that
+  /// no order of triangles matters, or left to the triangle that knows more of its own curvature.
   void cover(int32_t t, const Hinge& hinge) {
     const int32_t other = hinge.neighbour;
     const int32_t off = triangles_[t][(hinge.edge + 2) % 3];
-    if (predict(t, hinge.opposite) || predict(other, off)) return;
-    bends_[hinges_[other].size() > hinges_[t].size() ? other : t] = true;
+    const int count = whole_neighbours(t) + whole_neighbours(other);
+    if (count == 0) bends_[hinges_[other].size() > hinges_[t].size() ? other : t] = true;
+    predict(t, hinge.opposite, count);
+    predict(other, off, count);
   }
 
-  /// Adds an element for the hinge of t with the vertex `far` beyond, if a whole triangle is next to t.
-  bool predict(int32_t t, int32_t far) {
+  int whole_neighbours(int32_t t) const {
+    const auto is_at_whole = [&](const Hinge& hinge) { return is_whole(hinge.neighbour); };
+    return static_cast<int>(std::ranges::count_if(hinges_[t], is_at_whole));
+  }
+
+  /// Adds an element for the hinge of t with the vertex `far` beyond for each whole triangle next to t, one
+  /// of `count` of that hinge.
+  void predict(int32_t t, int32_t far, int count) {
     const auto crossed =
         std::find_if(hinges_[t].begin(), hinges_[t].end(), [&](const Hinge& h) { return h.opposite == far; });
     for (const Hinge& hinge : hinges_[t]) {
@@ -254,11 +262,9 @@ class PlateBuilder {
       const int32_t a = triangles_[t][crossed->edge], b = triangles_[t][(crossed->edge + 1) % 3];
       elements_.push_back(boundary_element(X_, triangles_[whole], hinges_[whole], back->edge,
                                            a == back->opposite ? b : a, far,
-                                           own_area_[t] + own_area_[crossed->neighbour]));
+                                           own_area_[t] + own_area_[crossed->neighbour], 1.0 / count));
       elements_.back().triangle = whole;
-      return true;
     }
-    return false;
   }
 
   /// Triangles without an element leave their areas to neighbours that are nearer to one.

@@ -135,7 +135,7 @@ std::vector<Mat3> StepLedger::stored_virials_of(Elements& elements, std::span<co
   std::vector<Mat3> virials;
   {
     const AtTime now(elements.batch, state_.time);
-    const AtRest rest(elements.batch, x);
+    const AtRest rest(elements.batch, x, kInstantOfForces);
     virials = element_virials(elements.batch, x);
   }
   motion_.set_previous(elements.batch);

@@ -47,17 +47,24 @@ class AtTime {
   StepClock clock_;
 };
 
+/// What internal variables can do in so short a step is below rounding, while rates of what does not change
+/// stay zero. [s] of a step of one second or of more.
+inline constexpr double kInstant = 0x1p-40;
+/// The same of derivatives, in single precision: a damping force of rounding over the instant is no more than
+/// that.
+inline constexpr double kInstantOfForces = 0x1p-24;
+
 /// A batch takes steps from x that are an instant long as long as this lives: its energy is what it stores.
 /// It keeps the previous positions at x.
 template <typename Batch>
 class AtRest {
  public:
-  AtRest(Batch& batch, std::span<const Vec3> x) : batch_(batch) {
+  AtRest(Batch& batch, std::span<const Vec3> x, double instant = kInstant) : batch_(batch) {
     batch_.set_previous(x);
     if (potential_of(batch).internal_width() == 0 && !remembers(law_of(batch))) return;  // no rates
     clock_.emplace(law_of(batch));
     const double step = clock_->step > 0.0 ? std::min(clock_->step, 1.0) : 1.0;  // 0 before the first one
-    batch_.set_time(kInstant * step, clock_->time);
+    batch_.set_time(instant * step, clock_->time);
   }
   ~AtRest() {
     if (clock_) batch_.set_time(clock_->step, clock_->time);
@@ -66,10 +73,6 @@ class AtRest {
   AtRest& operator=(const AtRest&) = delete;
 
  private:
-  /// What internal variables can do in so short a step is below rounding, while rates of what does not change
-  /// stay zero. [s] of a step of one second or of more.
-  static constexpr double kInstant = 0x1p-40;
-
   Batch& batch_;
   std::optional<StepClock> clock_;  ///< of energies with rates
 };

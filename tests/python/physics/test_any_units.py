@@ -37,7 +37,6 @@ def test_a_scene_in_other_units_goes_the_same_way(scene: Scene, units: str, inte
     assert farthest(given(scene, integrator), other) < (1e-5 if "length" in UNITS[units] else 1e-12)
 
 
-@pytest.mark.xfail(strict=True, reason="axes of unit length count as points that run away")
 def test_a_small_pendulum_finds_its_equilibrium() -> None:
     """With the steps of a sequence of equilibria; one of 0.3 m does."""
     scene = stark.Scene()

@@ -202,7 +202,6 @@ def test_stress_relaxes_as_the_prony_series(h: float) -> None:
     np.testing.assert_allclose(stress[0, 0, 0], work / (1e-3 * (1.0 + e)), rtol=1e-6)
 
 
-@pytest.mark.xfail(strict=True, reason="rounding over a step of 2^-40 of its length: theory eq. 10r with 10c")
 def test_stress_of_what_remembers_is_without_damping() -> None:
     """A strip under 20 N/m at rest, of a sheet that could yield: dampers have nothing to say."""
     scene = stark.Scene()
