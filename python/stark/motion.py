@@ -189,6 +189,15 @@ def as_motion(value: Any, owner: str) -> Motion:
 # --- details ---
 
 
+def through_same_knots(motion: Any, change: Callable[[Floats], Floats]) -> Motion | None:
+    """The motion through the same knots with other values, so that documents can hold it; None for rotations
+    and for functions of the time."""
+    knots = motion._knots if isinstance(motion, Motion) else None
+    if knots is None or knots["kind"] == "rotations":
+        return None
+    return _again({**knots, "values": change(knots["values"])}, motion._text)
+
+
 def _again(knots: dict[str, Any], text: str) -> Motion:
     """The motion that was pickled."""
     made: dict[str, Callable[..., Motion]] = {"linear": linear, "spline": spline, "rotations": rotations}

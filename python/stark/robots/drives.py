@@ -17,6 +17,7 @@ from stark.caller import warn
 from stark.courses import TimeValue, at_start, set_courses
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Actuator, Joint
+from stark.motion import Motion, through_same_knots
 from stark.readings import reading
 from stark.robots.description import RobotDescription
 from stark.robots.loops import in_loops
@@ -267,10 +268,21 @@ class Drives(AnsweredAttributes):
     def _prepared(self, k: int, target: TimeValue) -> TimeValue:
         """A target along the coordinate of the scene; efforts are cut at the limits of the file."""
         if callable(target):
-            return lambda time: self._prepared(k, float(target(time)))
+            motion = self._prepared_motion(k, target)
+            return motion or (lambda time: self._prepared(k, float(target(time))))
         if self._kind == "efforts":
             return float(np.clip(target, -self._caps[k], self._caps[k]))
         return target - float(self._shifts[k])
+
+    def _prepared_motion(self, k: int, target: Callable[[float], Any]) -> Motion | None:
+        """The same of a motion through knots; None where it is none, or a limit of effort cuts it."""
+        shift = 0.0 if self._kind == "efforts" else float(self._shifts[k])
+        motion = through_same_knots(target, lambda values: values - shift)
+        if motion is None or self._kind != "efforts" or np.isinf(self._caps[k]):
+            return motion
+        knots: dict[str, Any] = motion._knots or {}
+        inside = knots["kind"] == "linear" and (np.abs(knots["values"]) <= self._caps[k]).all()
+        return motion if inside else None
 
     def _warn_of_limits(self, targets: Mapping[int, TimeValue]) -> None:
         """Once a joint: its stops keep it from this target."""

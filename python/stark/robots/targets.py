@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import nearest_hint, real_array, real_number
 from stark.courses import TimeValue, at_start
+from stark.motion import through_same_knots
 
 Floats = NDArray[np.float64]
 
@@ -58,9 +59,10 @@ class _Course:
             self._last = time, spread(values, len(self._names), f"{self._what} at {time:g} s", self._names)
         return self._last[1]
 
-    def of(self, k: int) -> Callable[[float], float]:
-        """That of one joint."""
-        return lambda time: float(self(time)[k])
+    def of(self, k: int) -> Callable[[float], Any]:
+        """That of one joint; of a motion through knots one through the same."""
+        column = through_same_knots(self._function, lambda v: v[:, k] if v.ndim > 1 else v)
+        return column or (lambda time: float(self(time)[k]))
 
 
 def _place(name: str, names: Sequence[str], what: str) -> int:

@@ -76,3 +76,35 @@ def test_names_are_unique(tmp_path: Path) -> None:
     path.write_text(json.dumps(given))
     with pytest.raises(DocumentError, match="two robots 'robot'"):
         stark.load_scene(path)
+
+
+def test_drives_along_knots_are_saved(tmp_path: Path) -> None:
+    """Motions of all joints, by joint, and of efforts below their limits: the refusal of functions names
+    these as its remedy."""
+    base, tool = stark.robots.Link("base"), stark.robots.Inertia(1.0, np.array([0.1, 0, 0]), 0.01 * np.eye(3))
+    links = [base, stark.robots.Link("arm", tool), stark.robots.Link("hand", tool)]
+    ends = [("lift", "base", "arm", 1.5), ("turn", "arm", "hand", 0.7)]
+    joints = [
+        stark.robots.RobotJoint(name, "revolute", a, b, axis=np.array([0.0, 1.0, 0.0]), lower=-3.0, upper=3.0,
+                                effort=effort)
+        for name, a, b, effort in ends
+    ]  # fmt: skip
+    scene = stark.Scene()
+    description = stark.robots.RobotDescription("two", links, joints)
+    robot = scene.add_robot(description, q=[0.2, -0.3])
+    servos = robot.add_servos(stiffness=50.0, damping=2.0, cap=20.0)
+    path = stark.motion.spline([0.0, 0.1, 0.2], [(0.2, -0.3), (0.4, 0.1), (0.3, 0.0)])
+    servos.target = path
+    servos.target_rate = {"turn": stark.motion.linear([0.0, 0.2], [0.0, 0.5])}
+    efforts = robot.add_efforts(target=stark.motion.linear([0.0, 0.2], [0.0, 0.6]))
+    again = stark.load_scene(scene.save(tmp_path / "a.json"))
+    sims = [stark.Simulation(each, time_step=0.01) for each in (scene, again)]
+    for sim in sims:
+        sim.run_until(0.15)
+    assert sims[0].state == sims[1].state
+    np.testing.assert_allclose(servos.target, path(0.15), atol=1e-12)
+    efforts.target = stark.motion.linear([0.0, 0.2], [0.0, 1.0])  # cut at 0.7 N m: straight no more
+    with pytest.raises(DocumentError, match="sample_functions"):
+        scene.save(tmp_path / "b.json")
+    sims[0].run_until(0.2)
+    assert efforts.target[1] == 0.7 and efforts.target[0] == pytest.approx(1.0)
