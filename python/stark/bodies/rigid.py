@@ -183,4 +183,4 @@ class RigidBody(InertialSensors, Body, MovingSurface):
                 f"stark.Simulation(scene) and keep it; to say how a body starts, give position=, rotation=, "
                 f"velocity= and angular_velocity= where it is added"
             )
-        return self._require_simulation(f"setting its {what}")
+        return self._require_simulation(what)

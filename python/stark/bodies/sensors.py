@@ -4,8 +4,8 @@ Everything here is of the last step, and empty before the first one and after ``
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import NamedTuple
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark import _core
 from stark._core import InvalidArgument
 from stark.bodies.contact_pressures import VertexShares
-from stark.handle import BodyHandle, SimulationLink, names_of
+from stark.handle import BodyHandle, SceneLink, SimulationLink, names_of
 from stark.readings import reading
 from stark.rotations import as_matrix, vector
 
@@ -39,6 +39,10 @@ class Contacts:
     slips: Array  #: (n, 3) tangential velocity of the first material against the second [m/s]
     friction_points: Array  #: (n, 3) where friction acts on the first body, inside flat faces [m]
     friction_points_b: Array  #: (n, 3) on the second: others for edges of rods and soft bodies [m]
+    scene: SceneLink | None = None  #: whose bodies these are
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "scene": None}  # pickles of contacts hold the numbers alone
 
     def __len__(self) -> int:
         return len(self.distances)
@@ -72,9 +76,8 @@ class Contacts:
             b = self._index(other)
             straight, turned = straight & (self.bodies[:, 1] == b), turned & (self.bodies[:, 0] == b)
         kept, flipped = self._take(straight), self._take(turned)._turned()
-        columns = [f.name for f in fields(self)[1:]]
-        rows = {c: np.concatenate([getattr(kept, c), getattr(flipped, c)]) for c in columns}
-        return Contacts(names=self.names, **rows)
+        rows = {c: np.concatenate([getattr(kept, c), getattr(flipped, c)]) for c in _COLUMNS}
+        return Contacts(names=self.names, scene=self.scene, **rows)
 
     def torque_about(self, point: ArrayLike) -> Array:
         """Sum of the torques on the first bodies about a point of the world [m], friction included (3,) [N
@@ -99,20 +102,24 @@ class Contacts:
 
     def _index(self, body: BodyHandle | str) -> int:
         name = getattr(body, "name", body)
+        if isinstance(body, BodyHandle) and self.scene is not None and body._scene is not self.scene:
+            raise InvalidArgument(
+                f"contacts: '{name}' belongs to another scene: must be a body of this one; take it from there"
+            )
         if not isinstance(name, str) or name not in self.names:
             raise InvalidArgument(f"contacts: no body is named {name!r}; there are {', '.join(self.names)}")
         return self.names.index(name)
 
     def _take(self, rows: NDArray[np.bool_]) -> Contacts:
-        return Contacts(self.names, *(getattr(self, f.name)[rows] for f in fields(self)[1:]))
+        return replace(self, **{c: getattr(self, c)[rows] for c in _COLUMNS})
 
     def _turned(self) -> Contacts:
         used = (self.vertices >= 0).sum(axis=1)
         # Columns in the order: points of the second side, points of the first, unused ones.
         place = (np.arange(4)[None, :] + self.first_counts[:, None]) % np.maximum(used, 1)[:, None]
         order = np.where(np.arange(4)[None, :] < used[:, None], place, np.arange(4)[None, :])
-        return Contacts(
-            names=self.names,
+        return replace(
+            self,
             bodies=self.bodies[:, ::-1],
             vertices=np.take_along_axis(self.vertices, order, axis=1),
             weights=-np.take_along_axis(self.weights, order, axis=1),
@@ -128,10 +135,13 @@ class Contacts:
         )
 
 
+_COLUMNS = [field.name for field in fields(Contacts) if field.name not in ("names", "scene")]
+
+
 def contacts_of(simulation: SimulationLink) -> Contacts:
     """All contacts of the last step of a simulation."""
     names = tuple(names_of(simulation))
-    return Contacts(names=names, **_core.contacts(simulation._core))
+    return Contacts(names=names, scene=simulation._scene, **_core.contacts(simulation._core))
 
 
 class ClosestPoints(NamedTuple):

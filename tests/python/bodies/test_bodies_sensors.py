@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -120,3 +122,23 @@ def test_before_the_first_step_nothing_touches() -> None:
         box.contacts()
     sim = stark.Simulation(scene)
     assert len(sim["box"].contacts()) == 0 and sim["box"].contact_force.tolist() == [0, 0, 0]
+
+
+def test_contacts_with_a_body_of_another_scene_are_refused() -> None:
+    """Its name stood for the body of this scene that has the same one, or for none."""
+    scene, other = stark.Scene(), stark.Scene()
+    for each in (scene, other):
+        each.add_floor()
+        each.add_box(0.1, mass=1.0, position=(0, 0, 0.0505), name="box")
+    sim = stark.Simulation(scene)
+    sim.run_until(0.1)
+    assert scene["box"].contact_area(scene["floor"]) == pytest.approx(0.01)
+    assert len(pickle.loads(pickle.dumps(sim.contacts)).of("box", "floor")) == len(sim.contacts)
+    for read in (
+        lambda: sim.contacts.of(other["box"]),
+        lambda: sim.contacts.of("box", other["floor"]),
+        lambda: scene["box"].contact_area(other["floor"]),
+        lambda: scene["box"].contacts().of("box", other["floor"]),
+    ):
+        with pytest.raises(stark.InvalidArgument, match="belongs to another scene: must be a body of this"):
+            read()
