@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeVar
@@ -16,6 +16,7 @@ from stark._core import InvalidArgument, State, StepReport
 from stark.arguments import added_later, given_path, real_number, refuse_copy
 from stark.attributes import AnsweredAttributes
 from stark.bodies import Body, Layer
+from stark.bodies.following import limit_of_turns
 from stark.bodies.rest_state import LiveRestState, RestState
 from stark.bodies.sensors import ClosestPoints, Contacts, FreePath, contacts_of, free_path_of
 from stark.caller import warn
@@ -203,7 +204,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         self._warn_of_late_changes()
         if self._scene._followers or self._scene._courses:
             self._warn_of_jumps()
-            self._follow_motions(*self._core.next_step(limit))
+            limit = self._follow_motions(limit)
         for values in self._live_values:
             values.push(self._core)
         before, self._loaded, self._taken = self._core.state, None, None
@@ -227,19 +228,25 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
                 f"it; do so before you make stark.Simulation(scene), or make a new simulation"
             )
 
-    def _follow_motions(self, duration: float, end: float) -> None:
+    def _follow_motions(self, limit: float | None) -> float | None:
         """Targets and values of the coming step, from functions of the user: what these ask of the simulation
-        would come in the middle of the step, with some targets set and others not."""
+        would come in the middle of the step, with some targets set and others not. Returns its limit."""
         self._is_asking = True
         try:
+            limit = limit_of_turns(self, self._followers(), self._asking, limit)
+            duration, end = self._core.next_step(limit)
             for course in list(self._scene._courses.values()):
                 with self._held_still(f"the function of time given to '{course.name}'", _TIME_RULE):
                     course.apply(self, end)
             for follower in self._followers():
-                with self._held_still(follower.title, _TIME_RULE):
+                with self._asking(follower):
                     follower.apply(self, end, duration)
         finally:
             self._is_asking = False
+        return limit
+
+    def _asking(self, follower: Follower) -> AbstractContextManager[None]:
+        return self._held_still(follower.title, _TIME_RULE)
 
     @contextmanager
     def _held_still(self, caller: str, remedy: str, *, may_place: bool = False) -> Iterator[None]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
@@ -11,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import as_array, shown_value
-from stark.handle import BodyHandle, SceneLink, SimulationLink
+from stark.handle import BodyHandle, Follower, SceneLink, SimulationLink
 from stark.mesh import Indices
 from stark.motion import Motion, as_motion
 from stark.rotations import as_matrix, check_places, vector
@@ -22,6 +24,11 @@ _Places = TypeVar("_Places")
 #: A motion starts elsewhere than its body if it is farther from it than this part of its size, or turned by
 #: more than this [rad].
 _ELSEWHERE = 0.01
+#: Turn of a scripted body in a step at most [rad], as the core has it of those with a velocity: friction sees
+#: chords, and from half a turn on nothing would tell the sense.
+_LARGEST_TURN = np.pi / 8.0
+#: Part of a step over which the rate of a rotation is taken.
+_RATE_OVER = 1e-3
 
 
 class PinnedBody(Protocol):
@@ -63,6 +70,21 @@ class PoseFollower:
 
     def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         simulation._core.set_pose(self.body._index, *self.pose(time), duration)
+
+    def turn(self, time: float, duration: float) -> float:
+        """Angle [rad] of the step that ends at a time [s], from the rates at its end and in its middle: both
+        ends do not tell full turns. The lesser of both, as a rotation that jumps has no rate."""
+        if self.rotation is None:
+            return 0.0
+        turn = self._rate(time, _RATE_OVER * duration) * duration
+        if turn <= _LARGEST_TURN:
+            return turn
+        return min(turn, self._rate(time - 0.5 * duration, _RATE_OVER * duration) * duration)
+
+    def _rate(self, time: float, apart: float) -> float:
+        """[rad/s]"""
+        change = self.pose(time)[1] - self.pose(time - apart)[1]
+        return float(np.linalg.norm(change)) / (math.sqrt(2.0) * apart)
 
     def jump(self) -> str:
         """What is wrong with a motion that does not start where the body is; else empty."""
@@ -153,6 +175,27 @@ class PinFollower:
         start = self.body._scene._core.initial_frames(index).reshape(-1, 3, 3)[clamped]
         frames[turning] = self.turn(time) @ start[turning]
         core.set_clamp_targets(index, np.ascontiguousarray(frames.reshape(-1, 9)), duration)
+
+
+def limit_of_turns(
+    simulation: SimulationLink,
+    followers: Sequence[Follower],
+    held: Callable[[Follower], AbstractContextManager[None]],
+    limit: float | None,
+) -> float | None:
+    """What the coming step has to be shortened to [s], a whole part of it, so that no scripted body that
+    follows a rotation turns too far; ``limit`` where none does. Motions are asked while they are ``held``."""
+    duration, end = simulation._core.next_step(limit)
+    largest = 0.0
+    for follower in followers:
+        if isinstance(follower, PoseFollower):
+            with held(follower):
+                largest = max(largest, follower.turn(end, duration))
+    if largest <= _LARGEST_TURN * (1.0 + 1e-6):
+        return limit
+    shortest: float = simulation.settings["time.min_step"]
+    parts = math.ceil(largest / _LARGEST_TURN * (1.0 - 1e-6))
+    return duration / max(1, min(parts, math.floor(duration / shortest)))
 
 
 def _angle_of(rotation: Floats) -> float:
