@@ -395,3 +395,17 @@ def test_a_rotation_that_jumps_or_turns_slowly_shortens_no_step() -> None:
     assert [step.time_step for step in sim.run(until=0.1)] == pytest.approx([0.01] * 10)
     box.follow(rotation=lambda t: stark.rotation(axis="x", angle=39.0 * t) @ quarter)
     assert sim.step().time_step == 0.01
+
+
+def test_steps_are_shorter_where_pins_follow_a_fast_rotation() -> None:
+    """A clamp that turned by 3.5 rad in a step twisted its rod the other way."""
+    twist, length, material = 14.0, 0.3, stark.RodMaterial(youngs_modulus=1e6, radius=0.003)
+    for integrator, most in (("implicit_euler", np.pi / 8.0), ("quasistatic", 0.75 * np.pi)):
+        scene = stark.Scene()
+        rod = scene.add_rod(stark.mesh.polyline((0, 0, 0), (length, 0, 0), 30), material, clamps=[0, 30])
+        rod.follow(rotation=lambda t: stark.rotation(axis="x", angle=twist * t / 0.2), vertices=[30])
+        sim = stark.Simulation(scene, time_step=0.05, time={"integrator": integrator}, gravity=(0, 0, 0))
+        steps = [step.time_step for step in sim.run(until=0.2)]
+        assert sim.time == 0.2 and 0.5 * most < max(steps) * twist / 0.2 <= 1.0001 * most
+        stiffness = 1e6 / 2.6 * np.pi / 2.0 * 0.003**4 / length  # G J / L
+        assert rod.clamp_torques[1][0] == pytest.approx(stiffness * twist, rel=0.05)

@@ -24,9 +24,9 @@ _Places = TypeVar("_Places")
 #: A motion starts elsewhere than its body if it is farther from it than this part of its size, or turned by
 #: more than this [rad].
 _ELSEWHERE = 0.01
-#: Turn of a scripted body in a step at most [rad], as the core has it of those with a velocity: friction sees
-#: chords, and from half a turn on nothing would tell the sense.
-_LARGEST_TURN = np.pi / 8.0
+#: Turn of what follows a rotation in a step at most [rad], as the core has it of bodies with a velocity:
+#: friction sees chords. From half a turn on nothing would tell the sense, in quasistatic steps either.
+_LARGEST_TURN, _LARGEST_STILL_TURN = np.pi / 8.0, 0.75 * np.pi
 #: Part of a step over which the rate of a rotation is taken.
 _RATE_OVER = 1e-3
 
@@ -60,9 +60,7 @@ class PoseFollower:
         position, rotation = self.body._scene._core.pose(self.body._index)
         if self.position is not None:
             position = vector(self.position(time), f"{owner}: position at {time:g} s")
-        if self.rotation is not None:
-            rotation = as_matrix(self.rotation(time), f"{owner}: rotation at {time:g} s")
-        return position, rotation
+        return position, rotation if self.rotation is None else self.turn(time)
 
     @property
     def title(self) -> str:
@@ -71,20 +69,11 @@ class PoseFollower:
     def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         simulation._core.set_pose(self.body._index, *self.pose(time), duration)
 
-    def turn(self, time: float, duration: float) -> float:
-        """Angle [rad] of the step that ends at a time [s], from the rates at its end and in its middle: both
-        ends do not tell full turns. The lesser of both, as a rotation that jumps has no rate."""
+    def turn(self, time: float) -> Floats:
+        """Its rotation."""
         if self.rotation is None:
-            return 0.0
-        turn = self._rate(time, _RATE_OVER * duration) * duration
-        if turn <= _LARGEST_TURN:
-            return turn
-        return min(turn, self._rate(time - 0.5 * duration, _RATE_OVER * duration) * duration)
-
-    def _rate(self, time: float, apart: float) -> float:
-        """[rad/s]"""
-        change = self.pose(time)[1] - self.pose(time - apart)[1]
-        return float(np.linalg.norm(change)) / (math.sqrt(2.0) * apart)
+            return np.eye(3)
+        return as_matrix(self.rotation(time), f"'{self.body.name}': rotation at {time:g} s")
 
     def jump(self) -> str:
         """What is wrong with a motion that does not start where the body is; else empty."""
@@ -183,19 +172,33 @@ def limit_of_turns(
     held: Callable[[Follower], AbstractContextManager[None]],
     limit: float | None,
 ) -> float | None:
-    """What the coming step has to be shortened to [s], a whole part of it, so that no scripted body that
-    follows a rotation turns too far; ``limit`` where none does. Motions are asked while they are ``held``."""
+    """What the coming step has to be shortened to [s], a whole part of it, so that nothing that
+    follows a rotation turns too far; ``limit`` where nothing does. Motions are asked while ``held``."""
     duration, end = simulation._core.next_step(limit)
-    largest = 0.0
+    is_still = simulation.settings["time.integrator"] == "quasistatic"
+    allowed, largest = _LARGEST_STILL_TURN if is_still else _LARGEST_TURN, 0.0
     for follower in followers:
-        if isinstance(follower, PoseFollower):
+        if isinstance(follower, PoseFollower | PinFollower) and follower.rotation is not None:
             with held(follower):
-                largest = max(largest, follower.turn(end, duration))
-    if largest <= _LARGEST_TURN * (1.0 + 1e-6):
+                largest = max(largest, _angle_in_step(follower.turn, end, duration, allowed))
+    if largest <= allowed * (1.0 + 1e-6):
         return limit
     shortest: float = simulation.settings["time.min_step"]
-    parts = math.ceil(largest / _LARGEST_TURN * (1.0 - 1e-6))
+    parts = math.ceil(largest / allowed * (1.0 - 1e-6))
     return duration / max(1, min(parts, math.floor(duration / shortest)))
+
+
+def _angle_in_step(turn: Callable[[float], Floats], end: float, duration: float, enough: float) -> float:
+    """Angle [rad] of the step that ends at a time [s], from the rates at its end and, beyond ``enough``, in
+    its middle: both ends do not tell full turns. The lesser of both, as a rotation that jumps has no rate."""
+    apart = _RATE_OVER * duration
+
+    def angle(time: float) -> float:
+        change = float(np.linalg.norm(turn(time) - turn(time - apart)))
+        return change / (math.sqrt(2.0) * _RATE_OVER)
+
+    found = angle(end)
+    return found if found <= enough else min(found, angle(end - 0.5 * duration))
 
 
 def _angle_of(rotation: Floats) -> float:
