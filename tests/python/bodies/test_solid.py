@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -49,3 +52,25 @@ def test_doubles_are_found_where_keys_are_many() -> None:
     rows = [tuple(sorted(row)) for row in elements.tolist()]
     assert found == {(rows.index(row), k) for k, row in enumerate(rows) if rows.index(row) != k} and found
     assert len(doubles(mesh.tet_box(0.1, 6).tets)) == 0
+
+
+@pytest.mark.parametrize(
+    ("make", "excess"),
+    [
+        (mesh.box_hexahedra, 2.0),
+        (mesh.grid, 2.0),
+        (mesh.tet_box, 1.25),
+        (lambda size, n: mesh.to_quadratic(mesh.tet_box(size, n)), 0.324),
+        (lambda size, n: mesh.to_quadratic(mesh.box_hexahedra(size, n)), 0.0),
+    ],
+)
+def test_masses_at_nodes_are_hard_to_turn(make: Callable[..., Any], excess: float) -> None:
+    """docs/solids.md: a cube and a square sheet of n cells across have 1 + excess/n^2 times the inertia."""
+    for n in (1, 2, 4):
+        scene = stark.Scene()
+        shape = (0.1, 0.1) if make is mesh.grid else (0.1,)
+        add = scene.add_cloth if make is mesh.grid else scene.add_solid
+        body = add(make(*shape, n), angular_velocity=(0.0, 0.0, 1.0))
+        report = stark.Simulation(scene, time_step=1e-5, gravity=(0, 0, 0)).step()
+        inertia = report.angular_momentum[2] / (body.mass * 0.1**2 / 6.0)
+        assert inertia == pytest.approx(1.0 + excess / n**2, rel=3e-3)

@@ -36,6 +36,20 @@ def test_volume_is_that_of_the_surface_and_vertices_are_carried_exactly(
     assert "cells along the shortest side" in str(report) and "m^3 inside of the surface" in str(report)
 
 
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_centre_of_mass_is_right_within_a_fiftieth_of_a_cell(order: int) -> None:
+    """docs/meshes.md: from samples in each cell."""
+    torus = stark.mesh.torus(0.1, 0.04)  # about the origin
+    for cells in (3, 5):
+        body, apart = lattice(torus, cells=cells, order=order), []
+        for axis in np.eye(3):
+            scene = stark.Scene()
+            soft = scene.add_solid(body)
+            report = stark.Simulation(scene, time_step=1e-6, gravity=-axis).step()
+            apart.append(report.energy["gravity"] / soft.mass)
+        assert 1e-5 < np.linalg.norm(apart) < 0.02 * 0.28 / cells
+
+
 def test_long_edges_are_split_conformally() -> None:
     box = tilted_box()
     mesh = lattice(box, cell_size=0.03)
