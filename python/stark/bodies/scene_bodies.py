@@ -72,9 +72,10 @@ class SceneBodies(SceneLink):
         place it.
 
         ``mass`` [kg] of the whole replaces the density of the material. ``velocity`` [m/s] and
-        ``angular_velocity`` [rad/s] hold at time 0. ``initial_positions`` (n, 3) [m], in the frame of the
-        mesh, start it in another shape than that of rest. ``rest_angles`` is "flat" or "mesh" (the folds of
-        the mesh are at rest). ``pins``: indices or mask of prescribed vertices.
+        ``angular_velocity`` [rad/s], about the origin of the mesh, hold at time 0. ``initial_positions``
+        (n, 3) [m], in the frame of the mesh, start it in another shape than that of rest. ``rest_angles`` is
+        "flat" or "mesh" (the folds of the mesh are at rest). ``pins``: indices or mask of prescribed
+        vertices.
         ``contact_distance`` [m] and ``contact_stiffness`` [Pa]: within the sum of their contact distances
         bodies press on each other, at half of it with the contact stiffness; ``contact.distance`` and
         ``contact.stiffness`` of the settings if left out. ``surface`` gives both (``stark.surfaces``)."""

@@ -75,3 +75,21 @@ def test_pinned_vertices_follow_their_targets() -> None:
         cloth.pin_targets = np.zeros((3, 3))
     with pytest.raises(stark.InvalidArgument, match=r"pin_targets\[1\].*nan"):
         cloth.pin_targets = [[0, 0, 0], [0, math.nan, 0]]
+
+
+def test_what_bodies_turn_about_at_the_start() -> None:
+    """docs/loop.md: dynamic rigid ones about their centre of mass, others about the origin of their mesh."""
+    beside = stark.mesh.box(0.1).translated((0.5, 0, 0))
+    scene = stark.Scene()
+    free = scene.add_rigid(beside, mass=1.0, angular_velocity=(0, 0, 1))
+    led = scene.add_rigid(beside, motion="scripted", position=(0, 0, 1), angular_velocity=(0, 0, 1))
+    sheet = scene.add_cloth(
+        stark.mesh.grid(0.1, 0.1, cells=2).translated((0.5, 0, 0)),
+        position=(0, 0, 2),
+        angular_velocity=(0, 0, 1),
+    )
+    sim = stark.Simulation(scene, time_step=1e-3, gravity=(0, 0, 0))
+    before = [body.positions.mean(axis=0) for body in (free, led, sheet)]
+    sim.step()
+    moved = [body.positions.mean(axis=0) - x for body, x in zip((free, led, sheet), before, strict=True)]
+    np.testing.assert_allclose(moved, [[0, 0, 0], [0, 5e-4, 0], [0, 5e-4, 0]], atol=1e-6)
