@@ -1,6 +1,10 @@
-"""Seams between the borders of two cloths: vertices of a finer border that nothing would hold."""
+"""What is doubtful about attachments: vertices of a finer border that nothing would hold, pairs that are
+there twice."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +49,24 @@ def gaping_seam(points: Points, carrier: Body | None) -> str:
         f"{inner.sum()} vertices of the border of '{carrier.name}' lie between the {len(ends)} points of "
         f"'{body.name}' that are attached there: nothing holds them, so the seam gapes under load; attach "
         f"the finer border to the coarser one (exchange the sides)"
+    )
+
+
+def repeated_points(given: Mapping[str, Any], count: int) -> str:
+    """What is wrong with pairs that are there twice and may break; empty if none is."""
+    if not given["break_force"] < np.inf:
+        return ""
+    parts = [given["a"], *given["b"], {"patches": given.get("patches", 0)}]
+    columns = [np.asarray(value) for part in parts for value in part.values()]
+    rows = [c.reshape(count, -1) for c in columns if c.ndim > 0 and len(c) == count]
+    _, first, counts = np.unique(np.concatenate(rows, axis=1), axis=0, return_index=True, return_counts=True)
+    if (counts == 1).all():
+        return ""
+    k = int(first[np.argmax(counts > 1)])
+    return (
+        f"pair {k} is there {counts.max()} times, and {count - len(first)} of {count} pairs repeat others: "
+        f"they share the force of their place, so that it takes a multiple of break_force to break them; "
+        f"give each pair once, such as by np.unique(indices)"
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -163,3 +165,24 @@ def test_rewinding_resuming_and_threads_give_the_same_bits() -> None:
     other.state = state
     run(other, 3)
     assert other.state.first_difference(end) == ""
+
+
+def test_pairs_that_may_break_and_are_there_twice_are_said() -> None:
+    """They share their force: an attachment of one place, given twice, broke at twice its break_force."""
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=4))
+    other = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=4), position=(0, 0, 0.01))
+    box = scene.add_box(0.1, mass=1.5 / 9.81, position=(1, 0, 0))
+    with pytest.warns(stark.StarkWarning, match="pair 0 is there 2 times, and 1 of 3 pairs repeat others"):
+        scene.attach(cloth.vertices[[0, 0, 3]], None, break_force=1.0, enabled=False)
+    with pytest.warns(stark.StarkWarning, match="give each pair once"):
+        glue = scene.attach(box.points([(0, 0, 0.05), (0, 0, 0.05)]), None, break_force=1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene.attach(cloth.vertices[[0, 0]], None, enabled=False)  # nothing breaks
+        scene.attach(cloth.vertices[[7, 7]], other.vertices[[7, 8]], break_force=1.0)
+        scene.attach(cloth.vertices[[1, 2]], other.vertices[0], break_force=1.0)
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.run_until(0.3)
+    np.testing.assert_allclose(glue.forces[:, 2], 0.75, rtol=1e-3)  # of a weight of 1.5 N
+    assert not glue.broken.any()
