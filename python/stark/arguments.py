@@ -118,9 +118,13 @@ def given_choice(value: Any, known: tuple[str, ...], what: str) -> str:
 
 
 def shown_value(value: object, most: int = 60) -> str:
-    """A value as messages show it, cut to so many characters."""
+    """A value as messages show it, cut to so many characters; of large arrays what they are."""
     text = repr(value)
-    return text if len(text) <= most else text[: most - 3] + "..."
+    if len(text) <= most:
+        return text
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape} and type {value.dtype}"
+    return text[: most - 3] + "..."
 
 
 def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:

@@ -64,3 +64,14 @@ def test_wrong_sheets_are_refused_with_the_name() -> None:
     with pytest.raises(stark.InvalidArgument, match="SolidMaterial"):
         scene.add_cloth(stark.mesh.grid(1, 1, 2), stark.materials.soft_rubber)
     assert len(scene) == 0
+
+
+def test_a_mask_of_another_length_is_told_by_its_length() -> None:
+    """The message showed the first values, which look right."""
+    sheet = stark.mesh.grid(0.4, 0.4, cells=4)
+    wrong = r"pins = an array of shape \(24,\) and type bool: must be indices .* a mask of \(25,\)"
+    with pytest.raises(stark.InvalidArgument, match=wrong):
+        stark.Scene().add_cloth(sheet, pins=np.ones(24, dtype=bool))
+    cloth = stark.Scene().add_cloth(sheet, pins=[0])
+    with pytest.raises(stark.InvalidArgument, match=r"vertices = an array of shape \(24,\) and type bool"):
+        cloth.follow(displacement=lambda t: (0, 0, t), vertices=np.ones(24, dtype=bool))
