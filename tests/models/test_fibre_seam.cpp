@@ -42,3 +42,17 @@ TEST_CASE("rigid motion and motion along the fibre cost nothing") {
   slid[1] = {0.6, 0.2, -0.5};
   CHECK(energy_at(slid) < 1e-28);
 }
+
+TEST_CASE("a neighbour that comes into the line of the fibre tells less and less, and then nothing") {
+  const double rest = std::hypot(0.3, 0.1);
+  const auto at = [&](double share, double angle) {
+    std::vector<Vec3> x = kRest;
+    const Vec3 across = exp_rotation({0, 0, angle}) * Vec3{0.3, 0.1, 0.0};
+    x[1] = across * share + Vec3{0, 0, 0.2};
+    return energy_at(x);
+  };
+  CHECK(at(0.21, 1.0) == doctest::Approx(2.0 * (1.0 - std::cos(1.0))));
+  CHECK(at(0.0, 1.0) == doctest::Approx(1.0));
+  CHECK(at(1e-9 / rest, 1.0) == doctest::Approx(at(1e-9 / rest, 2.0)).epsilon(1e-7));
+  for (const double share : {0.15, 0.1, 0.05}) CHECK(at(share, 1.0) < 1.0);
+}

@@ -244,7 +244,26 @@ def follow_pose(body: BodyHandle, position: Any, rotation: Any) -> None:
         None if rotation is None else as_motion(rotation, f"'{body.name}': rotation"),
     )
     follower.first = _at_start(follower.pose, body.name)  # says at once what is wrong with the values
-    body._scene._followers[body._index] = [] if position is None and rotation is None else [follower]
+    stops = position is None and rotation is None
+    body._scene._followers[body._index] = [] if stops else [follower]
+    if stops and (core := _core_after_failure(body)) is not None:
+        core.set_pose(body._index, *core.pose(body._index))
+
+
+def _core_after_failure(body: Any) -> Any:
+    """Of its simulation, if the last step failed: the target of that step is still to be reached."""
+    simulation = body._simulation()
+    has_failed = simulation is not None and simulation._core.report.status == "failed"
+    return simulation._core if has_failed else None
+
+
+def _let_pins_stay(body: Any, core: Any) -> None:
+    """And clamps, where the simulation has them now."""
+    index, count = body._index, len(core.pin_targets(body._index))
+    core.set_pin_targets(index, np.ascontiguousarray(core.positions(index)[body.pins[:count]]))
+    if clamps := len(core.clamp_targets(index)) if body.kind == "rod" else 0:
+        frames = core.frames(index).reshape(-1, 9)[body.clamped[:clamps]]
+        core.set_clamp_targets(index, np.ascontiguousarray(frames))
 
 
 def _at_start(places: Callable[[float], _Places], owner: str) -> _Places:
@@ -270,6 +289,8 @@ def follow_pins(
     followers = body._scene._followers
     if targets is None and displacement is None and rotation is None:
         followers[body._index] = []
+        if (core := _core_after_failure(body)) is not None:
+            _let_pins_stay(body, core)
         return
     if targets is not None and not (displacement is None and rotation is None):
         raise InvalidArgument(

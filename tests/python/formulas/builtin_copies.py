@@ -476,11 +476,16 @@ def barrier_mollified_edge_edge(
 
 @stark.energy
 def fibre_seam(node: stark.Point, neighbour: stark.Point, d1: stark.Point, d2: stark.Point, stiffness: float):
-    def bearing(way: stark.Vec, first: stark.Vec, second: stark.Vec) -> list[stark.Scalar]:
-        along_1, along_2 = stark.dot(way, first), stark.dot(way, second)
-        inverse = 1.0 / stark.sqrt(stark.square(along_1) + stark.square(along_2))
-        return [along_1 * inverse, along_2 * inverse]
+    def across(way: stark.Vec, first: stark.Vec, second: stark.Vec) -> list[stark.Scalar]:
+        return [stark.dot(way, first), stark.dot(way, second)]
 
-    now = bearing(neighbour.x - node.x, d1.x, d2.x)
-    rest = bearing(neighbour.X - node.X, d1.X, d2.X)
-    return 0.5 * stiffness * (stark.square(now[0] - rest[0]) + stark.square(now[1] - rest[1]))
+    now = across(neighbour.x - node.x, d1.x, d2.x)
+    rest = across(neighbour.X - node.X, d1.X, d2.X)
+    length_squared, rest_squared = (stark.square(w[0]) + stark.square(w[1]) for w in (now, rest))
+    limit = 0.04 * rest_squared
+    t = length_squared / limit
+    fading = (15.0 - 10.0 * t + 3.0 * stark.square(t)) / (8.0 * stark.sqrt(limit))
+    inverse = stark.where(t < 1.0, fading, 1.0 / stark.sqrt(stark.maximum(length_squared, limit)))
+    rest_inverse = 1.0 / stark.sqrt(rest_squared)
+    first, second = (w * inverse - r * rest_inverse for w, r in zip(now, rest, strict=True))
+    return 0.5 * stiffness * (stark.square(first) + stark.square(second))
