@@ -169,16 +169,19 @@ void ShadowMap::draw(std::span<const Triangle> triangles) {
 
 void ShadowMap::find_nearest() {
   const int tiles = (resolution_ + kTile - 1) / kTile;
-  nearest_.assign(static_cast<size_t>(tiles) * tiles, std::numeric_limits<float>::infinity());
+  const auto at = [&](int i, int j) { return static_cast<size_t>(j) * tiles + i; };
+  std::vector<float> own(static_cast<size_t>(tiles) * tiles, std::numeric_limits<float>::infinity());
   for (int y = 0; y < resolution_; ++y)
     for (int x = 0; x < resolution_; ++x) {
-      const float depth = depth_[static_cast<size_t>(y) * resolution_ + x];
-      for (int j = std::max(0, y / kTile - 1); j <= std::min(tiles - 1, y / kTile + 1); ++j)
-        for (int i = std::max(0, x / kTile - 1); i <= std::min(tiles - 1, x / kTile + 1); ++i) {
-          float& nearest = nearest_[static_cast<size_t>(j) * tiles + i];
-          nearest = std::min(nearest, depth);
-        }
+      float& nearest = own[at(x / kTile, y / kTile)];
+      nearest = std::min(nearest, depth_[static_cast<size_t>(y) * resolution_ + x]);
     }
+  nearest_ = own;
+  for (int j = 0; j < tiles; ++j)
+    for (int i = 0; i < tiles; ++i)
+      for (int y = std::max(0, j - 1); y <= std::min(tiles - 1, j + 1); ++y)
+        for (int x = std::max(0, i - 1); x <= std::min(tiles - 1, i + 1); ++x)
+          nearest_[at(i, j)] = std::min(nearest_[at(i, j)], own[at(x, y)]);
 }
 
 float ShadowMap::nearest_around(const Place& place) const {
