@@ -147,13 +147,13 @@ void NewtonSolver::step_nearer(Objective& objective, double alpha, double refuse
 
 bool NewtonSolver::take_unsure_step(Objective& objective) {
   if (progress_.unsure_steps_left == 0) return false;
-  --progress_.unsure_steps_left;
   const double alpha = objective.bound_step(direction_, settings_.max_rotation);
   const TrialEnergy trial = objective.try_step(direction_, alpha);
   if (alpha < 1.0 || !trial.feasible) return false;
   if (!(trial.difference <= kUnsureRise * trial.magnitude) &&
       !(trial.difference <= objective.energy_rounding(hessian_)))
     return false;
+  --progress_.unsure_steps_left;
   objective.accept_trial();
   report_.last_step_length = alpha;
   report_.last_difference = trial.difference;

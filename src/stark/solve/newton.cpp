@@ -27,6 +27,8 @@ constexpr double kPushed = 1e-4;      ///< rise of contact energy over the gain 
 constexpr double kStandstill = 0.01;  ///< motions over their tolerance that move next to nothing
 constexpr double kStaticShare = 1e-3;  ///< of the way of static minimisations, for the next motion to be less
 constexpr double kStaticRounding = 1e-10;  ///< of the extent of the objective, for motions that are nothing
+constexpr double kReach = 200.0;     ///< of that extent, for the farthest motion that a projected matrix is
+                                     ///< believed; beyond has_run_away()
 constexpr int kStaticPatience = 12;  ///< iterations of static minimisations for that share, beyond tolerances
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
@@ -73,7 +75,7 @@ void NewtonSolver::start(const Objective& objective, double time_step) {
   time_step_ = time_step;
   report_ = {};
   progress_ = {.settled = {}, .unsure_steps_left = kUnsureSteps};
-  if (is_static_) progress_.static_rounding = kStaticRounding * extent_of(objective.block_positions());
+  if (is_static_) progress_.extent = extent_of(objective.block_positions());
   const size_t n = 3 * static_cast<size_t>(objective.block_count());
   gradient_.assign(n, 0.0);
   direction_.assign(n, 0.0);
@@ -303,8 +305,10 @@ NewtonSolver::Direction NewtonSolver::solve_direction(Objective& objective, bool
   const bool may_be_indefinite = !project && settings_.projection != Projection::Never;
   const LinearSolveReport solved = solve_linear(objective, tolerance, may_be_indefinite);
   if (is_interrupted_meanwhile()) return Direction::Interrupted;
-  if (solved.ok && is_descent()) return Direction::Found;
-  return project && solve_shifted(objective, tolerance) ? Direction::Found : Direction::Failed;
+  const bool is_found = solved.ok && is_descent();
+  if (!project) return is_found ? Direction::Found : Direction::Failed;
+  if (is_found && is_within_reach(objective)) return Direction::Found;
+  return solve_shifted(objective, tolerance) ? Direction::Found : Direction::Failed;
 }
 
 LinearSolveReport NewtonSolver::solve_linear(Objective& objective, double tolerance, bool may_be_indefinite) {
@@ -368,6 +372,13 @@ void NewtonSolver::read_gradient(const Objective& objective) {
   std::transform(gradient_.begin(), gradient_.end(), right_hand_side_.begin(), std::negate<>());
 }
 
+// Without inertia, next to nothing holds sheets without stress across their plane: directions of a million
+// times the scene take its whole search for collisions, and more halvings than there are.
+bool NewtonSolver::is_within_reach(const Objective& objective) const {
+  const double reach = kReach * progress_.extent;
+  return !(reach > 0.0) || objective.motion(direction_) <= reach;
+}
+
 bool NewtonSolver::solve_shifted(Objective& objective, double tolerance) {
   progress_.is_hessian_exact = false;
   // Projected and still not solvable: singular, or so badly scaled that rounding makes it indefinite. A
@@ -381,7 +392,9 @@ bool NewtonSolver::solve_shifted(Objective& objective, double tolerance) {
   for (double shift = kSmallestShift; shift <= 1.0; shift *= kShiftGrowth) {
     for (size_t i = 0; i < gradient_.size(); ++i) diagonal(i) += shift * (std::fabs(diagonal(i)) + mean);
     const LinearSolveReport solved = solve_linear(objective, tolerance, false);
-    if (solved.ok && all_finite(direction_) && slope() < 0.0) return true;
+    const bool is_largest = shift * kShiftGrowth > 1.0;
+    const bool is_down = solved.ok && all_finite(direction_) && slope() < 0.0;
+    if (is_down && (is_largest || is_within_reach(objective))) return true;
   }
   return false;
 }
@@ -427,7 +440,7 @@ bool NewtonSolver::has_converged(const Objective& objective) {
 bool NewtonSolver::is_short() const {
   if (!is_static_ || settings_.step_tolerance <= 0.0) return true;
   if (report_.last_motion <= kStaticShare * progress_.way || report_.last_motion == 0.0) return true;
-  return report_.iterations > 0 && report_.last_motion <= progress_.static_rounding;
+  return report_.iterations > 0 && report_.last_motion <= kStaticRounding * progress_.extent;
 }
 
 // Energies of stiff elements at rest are rounding, and differences of them look like a way up or down. A full

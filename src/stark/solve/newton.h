@@ -68,7 +68,7 @@ class NewtonSolver {
     bool still_falls = false;       ///< whether it fell from part to part
     int static_patience = 0;        ///< iterations that met the tolerances, but moved by too much of the way
     double way = 0.0;               ///< sum of the motions of all steps [m]
-    double static_rounding = 0.0;   ///< motion below which static minimisations are over [m]
+    double extent = 0.0;            ///< of the objective of a static minimisation [m]
     bool is_hessian_exact = false;  ///< neither projected nor shifted
     bool stands_still = false;      ///< the last full step has reduced nothing
     double gradient_norm = 0.0;     ///< of the iteration before; 0: there was none
@@ -94,6 +94,8 @@ class NewtonSolver {
   /// The same of a Hessian with terms of low rank beside its blocks.
   LinearSolveReport solve_with_low_rank(const LowRank& terms, const LinearSystem& system);
   bool solve_shifted(Objective& objective, double tolerance);
+  /// Whether a static minimisation may believe a direction.
+  bool is_within_reach(const Objective& objective) const;
   bool is_descent() const;
   double slope() const;
   double forcing_tolerance();

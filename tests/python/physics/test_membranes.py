@@ -278,3 +278,24 @@ def test_a_disc_bulges_as_henckys() -> None:
     scale = np.cbrt(modulus * (pressure / thickness) ** 2)
     validate("hencky.stress", np.linalg.eigvalsh(np.reshape(found, (3, 3)))[1:] / scale / stress)
     assert sheet.pin_forces.sum(axis=0) == pytest.approx([0, 0, np.pi * pressure], rel=5e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("side", "modulus", "cells"), [(0.01, 1e6, 16), (0.1, 1e5, 24), (0.1, 1e7, 32), (0.01, 1e7, 32)]
+)
+def test_a_flat_sheet_without_bending_finds_its_sag(side: float, modulus: float, cells: int) -> None:
+    """Nothing holds it across its plane at first, so that Newton directions are as long as rounding has them.
+    The sag of a membrane, w = 0.72 a (ρ g a/E)^(1/3) for ν = 0.3, does not know its thickness."""
+    scene, mesh = stark.Scene(), stark.mesh.grid(side, side, cells)
+    sheet = stark.ShellMaterial(
+        density=side, thickness=1e-3 * side, youngs_modulus=modulus, poissons_ratio=0.3, bending_stiffness=0.0
+    )
+    rim = (np.abs(mesh.vertices[:, :2]) > 0.499 * side).any(axis=1)
+    body = scene.add_cloth(mesh, sheet, pins=np.flatnonzero(rim))
+    sim = stark.Simulation(scene, settings={"time.integrator": "quasistatic"})
+    report = sim.step()
+    assert not report.failed, report.message
+    assert report.newton_iterations < 20 and report.rejected_steps == 0
+    half = 0.5 * side
+    share = -body.positions[:, 2].min() / (half * (1e3 * 9.81 * half / modulus) ** (1.0 / 3.0))
+    assert share == pytest.approx(0.724, rel=0.005)
