@@ -19,8 +19,9 @@ void embedding_weights(const SolidMesh& mesh, size_t k, std::span<double> out);
 std::vector<double> embedding_weights(const SolidMesh& mesh);
 
 /// Where a point of a rule on the cell is in what is filled: the rule is that of the box with the centre and
-/// the second moments of the filling, at least a tenth of the cell wide.
-Vec3 filled_position(const CellFilling& filling, const Vec3& position);
+/// the second moments of the filling, at least a tenth of the cell wide; with 27 nodes half of it where less
+/// than a tenth is filled.
+Vec3 filled_position(ElementType type, const CellFilling& filling, const Vec3& position);
 
 /// Positions of the quadrature points of an element in its reference coordinates, those of filled_position().
 std::vector<Vec3> quadrature_positions(const SolidMesh& mesh, int64_t element);

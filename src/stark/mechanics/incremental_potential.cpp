@@ -23,6 +23,9 @@ bool follows(const KinematicMap& map, int32_t point) {
 constexpr double kRoundingFactor = 4.0;
 
 /// Part of a safe fraction that is used: what remains keeps the next iteration from starting in contact.
+/// Motion over its limit, and turn of a body [rad], beyond which a direction says nothing of where a minimum
+/// is.
+constexpr double kReach = 2.0, kLargestTurn = 10.0;
 constexpr double kSafeFraction = 0.95;
 
 }  // namespace
@@ -314,6 +317,12 @@ bool IncrementalPotential::restore_settled() {
     active_set_->update(x_);
   }
   return true;
+}
+
+// As far as has_run_away() and farther, so that what nothing holds gets there at once.
+bool IncrementalPotential::is_within_reach(std::span<const double> direction) const {
+  if (!std::isfinite(motion_limit_)) return true;
+  return motion(direction) <= kReach * motion_limit_ && bound_rotation(direction, kLargestTurn, 1.0) == 1.0;
 }
 
 bool IncrementalPotential::has_run_away() const {

@@ -71,6 +71,7 @@ class IncrementalPotential final : public Objective {
   double refresh_lagged(int round) override;
   void refresh_early(Lagged lagged) override;
   bool restore_settled() override;
+  bool is_within_reach(std::span<const double> direction) const override;
   bool has_run_away() const override;
   std::span<const Vec3> block_positions() const override { return block_positions_; }
 

@@ -25,10 +25,9 @@ constexpr double kNear = 5.0;            ///< motions over their tolerance from 
 constexpr double kWorthGuessing = 10.0;  ///< motions over their tolerance from which a guess is worth it
 constexpr double kPushed = 1e-4;      ///< rise of contact energy over the gain of a guess that hits something
 constexpr double kStandstill = 0.01;  ///< motions over their tolerance that move next to nothing
+constexpr double kUsualStepTolerance = 1e-3;  ///< for that, where none is set [m/s]
 constexpr double kStaticShare = 1e-3;  ///< of the way of static minimisations, for the next motion to be less
 constexpr double kStaticRounding = 1e-10;  ///< of the extent of the objective, for motions that are nothing
-constexpr double kReach = 200.0;     ///< of that extent, for the farthest motion that a projected matrix is
-                                     ///< believed; beyond has_run_away()
 constexpr int kStaticPatience = 12;  ///< iterations of static minimisations for that share, beyond tolerances
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
@@ -307,7 +306,7 @@ NewtonSolver::Direction NewtonSolver::solve_direction(Objective& objective, bool
   if (is_interrupted_meanwhile()) return Direction::Interrupted;
   const bool is_found = solved.ok && is_descent();
   if (!project) return is_found ? Direction::Found : Direction::Failed;
-  if (is_found && is_within_reach(objective)) return Direction::Found;
+  if (is_found && objective.is_within_reach(direction_)) return Direction::Found;
   return solve_shifted(objective, tolerance) ? Direction::Found : Direction::Failed;
 }
 
@@ -372,17 +371,12 @@ void NewtonSolver::read_gradient(const Objective& objective) {
   std::transform(gradient_.begin(), gradient_.end(), right_hand_side_.begin(), std::negate<>());
 }
 
-// Without inertia, next to nothing holds sheets without stress across their plane: directions of a million
-// times the scene take its whole search for collisions, and more halvings than there are.
-bool NewtonSolver::is_within_reach(const Objective& objective) const {
-  const double reach = kReach * progress_.extent;
-  return !(reach > 0.0) || objective.motion(direction_) <= reach;
-}
-
 bool NewtonSolver::solve_shifted(Objective& objective, double tolerance) {
   progress_.is_hessian_exact = false;
-  // Projected and still not solvable: singular, or so badly scaled that rounding makes it indefinite. A
-  // multiple of the diagonal shortens the step where nothing else holds it [Levenberg 1944, Marquardt 1963].
+  // Projected and still not solvable: singular, or so badly scaled that rounding makes it indefinite. Or next
+  // to singular, as without inertia for sheets without stress across their plane: directions of a million
+  // times the scene take its whole search for collisions, and more halvings than there are. A multiple of the
+  // diagonal shortens the step where nothing else holds it [Levenberg 1944, Marquardt 1963].
   const auto diagonal = [&](size_t i) -> double& {
     return hessian_.values[9 * hessian_.pattern.row_start[i / 3] + 4 * (i % 3)];
   };
@@ -394,7 +388,7 @@ bool NewtonSolver::solve_shifted(Objective& objective, double tolerance) {
     const LinearSolveReport solved = solve_linear(objective, tolerance, false);
     const bool is_largest = shift * kShiftGrowth > 1.0;
     const bool is_down = solved.ok && all_finite(direction_) && slope() < 0.0;
-    if (is_down && (is_largest || is_within_reach(objective))) return true;
+    if (is_down && (is_largest || objective.is_within_reach(direction_))) return true;
   }
   return false;
 }
@@ -431,8 +425,17 @@ double NewtonSolver::useful_tolerance() const {
 bool NewtonSolver::has_converged(const Objective& objective) {
   const bool may_be_rounding = progress_.round_off_steps > 0 || progress_.stands_still;
   if (meets_tolerances(report_) && (is_short() || progress_.static_patience++ >= kStaticPatience))
-    return true;
+    return !is_short_for_its_matrix();
   return may_be_rounding && is_at_rounding(objective);
+}
+
+// Without inertia a projected matrix may hold back what is far from its equilibrium. The next direction is of
+// the exact one again, where that has one.
+bool NewtonSolver::is_short_for_its_matrix() {
+  if (!is_static_ || progress_.is_hessian_exact || settings_.projection != Projection::OnDemand) return false;
+  if (report_.last_motion == 0.0 || progress_.static_patience++ >= kStaticPatience) return false;
+  progress_.projected_left = 0;
+  return true;
 }
 
 // Without inertia nothing relates forces to masses, nor motions to the time step: what settings tolerate may
@@ -447,10 +450,11 @@ bool NewtonSolver::is_short() const {
 // step near the solution leaves a fraction of the forces; what one leaves as they were, where another would
 // move next to nothing, may be rounding.
 bool NewtonSolver::stands_still(const SolveReport& before) const {
+  const double tolerance = settings_.step_tolerance > 0.0 ? settings_.step_tolerance : kUsualStepTolerance;
   return before.iterations > 0 && before.last_step_length == 1.0 &&
          report_.residual >= kContraction * before.residual &&
          report_.acceleration >= kContraction * before.acceleration &&
-         report_.last_motion < kStandstill * settings_.step_tolerance * time_step_;
+         report_.last_motion < kStandstill * tolerance * time_step_;
 }
 
 bool NewtonSolver::meets_tolerances(const SolveReport& report, double factor) const {

@@ -94,8 +94,6 @@ class NewtonSolver {
   /// The same of a Hessian with terms of low rank beside its blocks.
   LinearSolveReport solve_with_low_rank(const LowRank& terms, const LinearSystem& system);
   bool solve_shifted(Objective& objective, double tolerance);
-  /// Whether a static minimisation may believe a direction.
-  bool is_within_reach(const Objective& objective) const;
   bool is_descent() const;
   double slope() const;
   double forcing_tolerance();
@@ -107,6 +105,9 @@ class NewtonSolver {
   bool meets_tolerances(const SolveReport& report, double factor = 1.0) const;
   /// Whether the next motion of a static minimisation is little beside those before it.
   bool is_short() const;
+  /// Whether it is little because the matrix of a static minimisation is projected; once more for each
+  /// patience.
+  bool is_short_for_its_matrix();
   /// Whether the iterates went around something: the way from the start to them stays blocked.
   bool goes_around();
   /// Whether something stood in the way of the last direction that it has not pushed against yet.

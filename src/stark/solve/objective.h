@@ -87,6 +87,10 @@ class Objective {
   /// quantities once more. Returns false when there is none.
   virtual bool restore_settled() { return false; }
 
+  /// Whether a minimum could lie as far away as the end of a direction.
+  virtual bool is_within_reach(std::span<const double> direction) const {
+    return static_cast<void>(direction), true;
+  }
   /// True when the iterate has moved beyond any scale that a minimum could have.
   virtual bool has_run_away() const { return false; }
 

@@ -188,3 +188,21 @@ def test_a_scan_of_seventy_thousand_triangles_falls_in_a_lattice_within_a_minute
     sim.run_until(0.25)
     assert body.surface_positions[:, 2].min() > 0.0 and body.surface_positions[:, 2].mean() < 0.15
     assert time.process_time() - start < 60.0
+
+
+@pytest.mark.parametrize("cells", [4, 6])
+def test_a_triquadratic_lattice_hangs_as_a_trilinear_one(cells: int) -> None:
+    """Cells of which next to nothing is filled: their quadratic motions had next to no stiffness."""
+    ball, sags = stark.mesh.sphere(0.1, 3), []
+    for order in (1, 2):
+        scene, mesh = stark.Scene(), stark.mesh.lattice(ball, cells=cells, order=order)
+        top = np.flatnonzero(ball.vertices[:, 2] > 0.08)
+        rubber = stark.SolidMaterial(density=1000.0, youngs_modulus=1e5, poissons_ratio=0.3)
+        body = scene.add_solid(mesh, rubber, pins=mesh.nodes_around(mesh.node_count + top))
+        sim = stark.Simulation(scene, settings={"time.integrator": "quasistatic"})
+        start = body.surface_positions.copy()
+        report = sim.step()
+        assert not report.failed, report.message
+        assert report.newton_iterations < 8
+        sags.append((start - body.surface_positions)[:, 2].max())
+    assert sags[1] == pytest.approx(sags[0], rel=0.04)
