@@ -1,5 +1,5 @@
 """Equilibria in load steps, without inertia, against closed forms: a truss that snaps through, an arm that a
-servo holds, a rope that is pulled over a drum."""
+servo holds, a rope that is pulled over a drum, a plug that is pressed into a ring."""
 
 from __future__ import annotations
 
@@ -83,3 +83,68 @@ def test_a_rope_slips_on_a_drum() -> None:
     coefficients = (0.1, 0.3)
     ratios = [pulled_over_a_drum(c) / np.exp(c * np.pi) for c in coefficients]
     validate("load_steps.rope", ratios)
+
+
+def ring_of(inner: float, outer: float, height: float, around: int, across: int, up: int) -> stark.SolidMesh:
+    angle = 2.0 * np.pi * np.arange(around) / around
+    radius, z = np.linspace(inner, outer, across + 1), np.linspace(0.0, height, up + 1)
+    number = np.arange((up + 1) * (across + 1) * around).reshape(up + 1, across + 1, around)
+    Z, R, A = np.meshgrid(z, radius, angle, indexing="ij")
+    vertices = np.stack([R * np.cos(A), R * np.sin(A), Z], axis=-1).reshape(-1, 3)
+    here, ahead = number, np.roll(number, -1, axis=2)
+    lower = [here[:-1, :-1], here[:-1, 1:], ahead[:-1, 1:], ahead[:-1, :-1]]
+    upper = [here[1:, :-1], here[1:, 1:], ahead[1:, 1:], ahead[1:, :-1]]
+    return stark.SolidMesh(vertices, np.stack(lower + upper, axis=-1).reshape(-1, 8))
+
+
+def turned(profile: list[tuple[float, float]], around: int) -> stark.TriangleMesh:
+    """The closed surface of a profile of radii and heights, from the axis to the axis."""
+    angle = 2.0 * np.pi * (np.arange(around) + 0.5) / around
+    vertices = [(0.0, 0.0, profile[0][1])]
+    for radius, z in profile[1:-1]:
+        wide = radius / np.cos(np.pi / around)  # its flat sides have the radius
+        vertices += [(wide * np.cos(a), wide * np.sin(a), z) for a in angle]
+    vertices.append((0.0, 0.0, profile[-1][1]))
+    triangles = []
+    for i in range(around):
+        j = (i + 1) % around
+        triangles += [
+            (0, 1 + j, 1 + i),
+            (len(vertices) - 1, len(vertices) - 1 - around + i, len(vertices) - 1 - around + j),
+        ]
+        for k in range(len(profile) - 3):
+            a, b, c, d = (
+                1 + k * around + i,
+                1 + k * around + j,
+                1 + (k + 1) * around + j,
+                1 + (k + 1) * around + i,
+            )
+            triangles += [(a, b, c), (a, c, d)]
+    return stark.TriangleMesh(np.array(vertices), np.array(triangles))
+
+
+def test_a_plug_is_pressed_into_a_ring() -> None:
+    """Lamé's ring under the pressure p on its inner side, whose radius grows by u:
+    p = E u/r / ((R² + r²)/(R² − r²) + ν), and the force that pushes the plug on is µ p 2 π r h."""
+    inner, outer, height, youngs_modulus, friction = 0.05, 0.08, 0.02, 1e7, 0.2
+    scene = stark.Scene()
+    scene.default_friction = friction
+    mesh = ring_of(inner, outer, height, 48, 3, 4)
+    rubber = stark.SolidMaterial(density=1000.0, youngs_modulus=youngs_modulus, poissons_ratio=0.3)
+    ring = scene.add_solid(mesh, rubber, self_contact=False, contact_distance=2e-4)
+    scene.add_rollers(ring.vertices[mesh.vertices[:, 2] < 1e-9], (0, 0, 1))  # free in the plane
+    cone = [(0.0, -0.05), (inner - 2e-3, -0.05), (inner + 5e-4, -0.01), (inner + 5e-4, 0.04), (0.0, 0.04)]
+    plug = scene.add_rigid(turned(cone, 96), motion="scripted", position=(0, 0, 0.071), contact_distance=2e-4)
+    plug.follow(position=lambda t: (0.0, 0.0, 0.071 - 0.065 * t))
+    sim = stark.Simulation(scene, time_step=0.1, **AT_REST)
+    for report in sim.run(until=1.0):
+        assert not report.failed, report.message
+    touch = np.linalg.norm(sim.contacts.of("rigid", "solid").normal_forces[:, :2], axis=1).sum()
+    at_middle = (np.hypot(*mesh.vertices[:, :2].T) < inner + 1e-9) & (abs(mesh.vertices[:, 2] - 0.01) < 1e-9)
+    growth = np.hypot(*ring.positions[at_middle, :2].T).mean() - inner
+    compliance = (outer**2 + inner**2) / (outer**2 - inner**2) + 0.3
+    pressure = youngs_modulus * growth / inner / compliance
+    push = -plug.holding_force[2]
+    validate(
+        "load_steps.press_fit", [touch / (pressure * 2.0 * np.pi * inner * height), push / (friction * touch)]
+    )
