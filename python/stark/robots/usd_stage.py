@@ -107,7 +107,9 @@ class Stage:
         self.metre: float = float(geom.GetStageMetersPerUnit(self.usd))
         self.kilogram: float = float(physics.GetStageKilogramsPerUnit(self.usd))
         self.up: Floats = _UP[str(geom.GetStageUpAxis(self.usd))]
-        self._cache = geom.XformCache()
+        #: What is animated starts as its first frame has it.
+        self._start: Any = self.pxr.Usd.TimeCode.EarliestTime()
+        self._cache = geom.XformCache(self._start)
 
     def prims(self) -> list[Any]:
         """All prims that are there, those of instances included, in the order of the file."""
@@ -158,7 +160,7 @@ class Stage:
         is_even = np.abs(frame.scale - np.diag(np.diag(frame.scale))).max() < _EQUAL * scales.max()
 
         def value(name: str) -> float:
-            return float(prim.GetAttribute(name).Get())
+            return float(prim.GetAttribute(name).Get(self._start))
 
         if kind == "Cube":
             edge = value("size")
@@ -181,9 +183,9 @@ class Stage:
         return _of_mesh(made, frame.scale @ turned, place)
 
     def _mesh(self, mesh: Any, frame: Frame, place: dict[str, Any], title: str) -> Geometry | None:
-        points = np.array(mesh.GetPointsAttr().Get() or [], dtype=np.float64).reshape(-1, 3)
-        counts = np.array(mesh.GetFaceVertexCountsAttr().Get() or [], dtype=np.int64)
-        corners = np.array(mesh.GetFaceVertexIndicesAttr().Get() or [], dtype=np.int64)
+        points = np.array(mesh.GetPointsAttr().Get(self._start) or [], dtype=np.float64).reshape(-1, 3)
+        counts = np.array(mesh.GetFaceVertexCountsAttr().Get(self._start) or [], dtype=np.int64)
+        corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(self._start) or [], dtype=np.int64)
         owner = f"{self.report.source}: {title}: mesh {mesh.GetPath()}"
         if counts.sum() != len(corners) or (
             len(corners) and not 0 <= corners.min() <= corners.max() < len(points)
@@ -201,7 +203,7 @@ class Stage:
 
     def color(self, prim: Any) -> tuple[float, float, float] | None:
         """That of a prim, red, green and blue from 0 to 1."""
-        colors = self.pxr.UsdGeom.Gprim(prim).GetDisplayColorAttr().Get()
+        colors = self.pxr.UsdGeom.Gprim(prim).GetDisplayColorAttr().Get(self._start)
         if not colors:
             return None
         r, g, b = (min(1.0, max(0.0, float(value))) for value in colors[0])

@@ -59,3 +59,23 @@ def test_mirrored_bodies_are_refused_and_mirrored_shapes_are_not(tmp_path: Path)
     )
     with pytest.raises(stark.InvalidArgument, match="body /robot/part: is sheared or mirrored: must have"):
         stark.robots.read(stage(tmp_path, mirrored))
+
+
+def test_what_is_animated_starts_as_the_first_frame_has_it(tmp_path: Path) -> None:
+    """As modelling programs save a scene that plays. Without a default USD has no points."""
+    points = "[(0,0,0), ({0},0,0), (0,{0},0), (0,0,{0})]"
+    frames = (
+        f"point3f[] points.timeSamples = {{ 1: {points.format(2)}, 9: {points.format(5)} }}\n"
+        "int[] faceVertexCounts = [3,3,3,3]\nint[] faceVertexIndices = [0,2,1, 0,1,3, 0,3,2, 1,2,3]\n"
+    )
+    moving = body(
+        "part", shape("Mesh", frames) + shape("Sphere", "double radius.timeSamples = { 1: 3, 9: 4 }")
+    )
+    moving = moving.replace(
+        "translate = (0.0, 0.0, 0.0)", "translate.timeSamples = { 1: (1, 2, 3), 9: (7, 7, 7) }", 1
+    )
+    robot = stark.Scene().add_robot(file := stage(tmp_path, moving))
+    np.testing.assert_allclose(robot.links["part"].body.position, (1, 2, 3))
+    found = {shape.kind: shape for shape in stark.robots.read(file).links["part"].collisions}
+    assert found["sphere"].size == pytest.approx((3.0,))
+    assert found["mesh"].vertices.max() == pytest.approx(2.0)
