@@ -1,4 +1,4 @@
-"""``follow()`` ends a motion also where the step that was to take it failed: nothing goes on towards its target."""
+"""``follow()`` ends a motion also where the step that was to take it failed: none goes on to its target."""
 
 from __future__ import annotations
 
