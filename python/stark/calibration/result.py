@@ -18,6 +18,8 @@ from stark.calibration.plotting import Panel, written
 from stark.calibration.response import Response
 from stark.curves import Curve, Floats
 
+_OPEN = 1e-6  # part of a direction along which predictions stay: from it on an error is infinite
+
 
 @dataclass(frozen=True)
 class Search:
@@ -235,9 +237,12 @@ def _covariance(residuals: Floats, slopes: Floats, best: Floats, search: Search)
     size = np.maximum(np.abs(best), 1e-9 * search.scale)[inside]
     if len(inside):
         _, s, V = np.linalg.svd(slopes[:, inside] * size, full_matrices=False)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            root = (V.T / s) * size[:, None]
-            found = (residuals @ residuals) / freedom * (root @ root.T)
+        is_flat = s <= len(s) * np.finfo(float).eps * s.max()  # predictions stay: others have their errors
+        root = (V[~is_flat].T / s[~is_flat]) * size[:, None]
+        found = (residuals @ residuals) / freedom * (root @ root.T)
+        open_ended = np.linalg.norm(V[is_flat], axis=0) > _OPEN
+        found[open_ended] = found[:, open_ended] = np.nan
+        found[open_ended, open_ended] = np.inf
         covariance[np.ix_(inside, inside)] = found
     return covariance
 

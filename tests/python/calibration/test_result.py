@@ -93,6 +93,26 @@ def test_the_report_has_parameters_curves_and_warnings() -> None:
     assert "! the curves do not determine 'bulk'" in str(fit)
 
 
+def test_a_parameter_that_nothing_depends_on_leaves_the_errors_of_others() -> None:
+    """One plane of bending says nothing of the other: its error is infinite, others have theirs."""
+    random = np.random.default_rng(5)
+    bent, strain = np.linspace(1.0, 20.0, 9), 0.01 * np.arange(1, 11)
+    tests = [
+        curves.uniaxial(1.0 + strain, 560.0 * strain + random.normal(scale=0.2, size=10)),
+        curves.bending(bent, 1.3e-3 * bent + random.normal(scale=1e-4, size=9)),
+        curves.torsion(bent, 9.8e-4 * bent + random.normal(scale=1e-4, size=9)),
+    ]
+    rod = stark.RodMaterial(youngs_modulus=1e7, radius=0.003)
+    with pytest.warns(stark.StarkWarning, match="do not determine 'bending_stiffness_2'"):
+        fit = stark.fit(rod, tests)
+    known = stark.fit(rod, tests, fixed={"bending_stiffness_2": 1e-3})
+    ratio = np.sqrt(25 / 24)  # of degrees of freedom: one parameter more
+    assert fit.errors["bending_stiffness_2"] == np.inf
+    for name, error in known.errors.items():
+        assert fit.errors[name] == pytest.approx(ratio * error, rel=1e-3)
+        assert fit.interval(name)[0] < known[name] < fit.interval(name)[1]
+
+
 def test_other_tests_are_predicted() -> None:
     fit = noisy(np.random.default_rng(4), sigma=0.0)
     stretch = np.array([1.5, 2.0])
