@@ -11,6 +11,7 @@ from typing import Any
 
 from .._interrupts import Deferred
 from ..arguments import given_path
+from ..caller import warn
 from ..checkpoint import Checkpoint, CheckpointError
 from ..files import resolved
 from ..recording import Recorder
@@ -64,9 +65,11 @@ def _job(
     owner = f"checkpoint '{folder / CHECKPOINT}'"
     plan, recorded, counts, wall = _read_run(checkpoint, owner)
     scene_file = scene if isinstance(scene, SceneFile) else _load(scene, plan, folder, owner)
+    is_changed = bool(plan.content) and scene_file.content != plan.content
     plan = replace(
         plan,
         scene=scene_file.source,
+        content=scene_file.content,
         settings={**plan.settings, **changed},
         until=end_time(scene_file, plan.until if until is None else until),
     )
@@ -75,6 +78,12 @@ def _job(
     if until is not None and sim.time > until + 1e-9 * sim.time_step:
         raise CheckpointError(f"{owner}: is at {sim.time:g} s, after until = {until:g} s; give a later end")
     scene_file.recall(checkpoint.memory)
+    if is_changed:
+        warn(
+            f"{owner}: the scene file '{scene_file.source}' is not as it was before {sim.time:g} s: its "
+            f"functions and options hold from there on, earlier steps stay as they are; run it anew if all "
+            f"are to follow it"
+        )
     with Deferred():
         recorder = Recorder.resume(folder, sim, **recorded, lock=lock)
     result = RunResult(scene_file.name, "complete", "", 0.0, wall, recorder.folder, **dict[str, Any](counts))
@@ -143,9 +152,12 @@ def _plan(given: dict[str, Any]) -> Plan:
     """Raises KeyError, TypeError or ValueError for what a run never writes."""
     if not isinstance(given, dict):
         raise TypeError(f"plan = {given!r}: must be an object")
-    plan = Plan(**{f.name: given[f.name] for f in fields(Plan)})
+    written: dict[str, Any] = {"content": ""} | given  # which earlier runs did not write
+    plan = Plan(**{f.name: written[f.name] for f in fields(Plan)})
     if not isinstance(plan.scene, str) or not isinstance(plan.options, dict):
         raise TypeError("scene and options must be a text and an object")
+    if not isinstance(plan.content, str):
+        raise TypeError("content must be a text")
     if not all(isinstance(text, str) for text in plan.options.values()):
         raise TypeError("options must be texts")
     if not isinstance(plan.settings, dict):

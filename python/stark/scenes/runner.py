@@ -73,6 +73,7 @@ class Plan:
     until: float  # [s]
     fps: float  # frames per simulated second
     checkpoint_every: float | None  # [s] of wall-clock time, None: no checkpoints
+    content: str = ""  # SHA-256 of the scene file, "" where that is none
 
 
 def end_time(scene_file: SceneFile, until: float | None) -> float:
@@ -141,6 +142,7 @@ def run(
         until=end_time(scene_file, until),
         fps=_positive(fps),
         checkpoint_every=_period(checkpoint_every),
+        content=scene_file.content,
     )
     folder = Path("out") / scene_file.name if out is None else given_path(out, "run: out")
     folder = resolved(folder)  # functions of the scene may change the current folder

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import importlib
 import importlib.util
 import inspect
@@ -42,6 +43,7 @@ class SceneFile:
     until: float | None
     source: str = ""  #: the packaged scene's name, or the absolute path of the file
     options: dict[str, str] = field(default_factory=dict)  #: what the caller chose
+    content: str = ""  #: SHA-256 of a Python file, as it was loaded
 
     def build(self) -> tuple[Any, dict[str, Any]]:
         """A fresh scene and the settings of the file by dotted name."""
@@ -145,7 +147,9 @@ def load(scene: str | PathLike[str], options: Mapping[str, Any] | None = None) -
     if text.endswith(".py") or "/" in text:
         module = _import_file(Path(text))
         name = Path(text).stem + _choose(module, Path(text).stem, options or {})
-        return replace(_checked(module, name), source=str(Path(text).resolve()), options=chosen)
+        content = hashlib.sha256(Path(text).read_bytes()).hexdigest()
+        source = str(Path(text).resolve())
+        return replace(_checked(module, name), source=source, options=chosen, content=content)
     if text not in names():
         near = nearest(text, names())
         hint = f"did you mean '{near}'?" if near else f"packaged scenes: {', '.join(names())}"

@@ -198,6 +198,18 @@ def test_scenes_that_changed_are_refused(tmp_path: Path) -> None:
     assert content(tmp_path / "run") == before
 
 
+def test_a_scene_file_that_was_edited_since_is_named(tmp_path: Path) -> None:
+    """Its bodies are the same, so the run goes on, with the functions of the new file: once that is said."""
+    file = write_scene(tmp_path)
+    scenes.run(file, out=tmp_path / "run", until=0.1, **QUIET)
+    scenes.resume(tmp_path / "run", until=0.15, **QUIET)  # no word: the file is the same
+    file.write_text(file.read_text() + "\n\ndef observables(sim):\n    return {'half': 0.5}\n")
+    with pytest.warns(stark.StarkWarning, match=r"scene file '.*' is not as it was before 0.15 s: .* anew"):
+        scenes.resume(tmp_path / "run", until=0.2, **QUIET)
+    scenes.resume(tmp_path / "run", until=0.25, **QUIET)
+    assert Recording(tmp_path / "run").manifest["summary"]["observables"] == {"half": 0.5}
+
+
 def test_folders_that_cannot_be_resumed(tmp_path: Path) -> None:
     with pytest.raises(CheckpointError, match=r"cannot be resumed: no such folder; run the scene anew"):
         scenes.resume(tmp_path / "nothing")
