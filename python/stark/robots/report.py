@@ -30,7 +30,7 @@ class Report(AnsweredAttributes):
     """The file, or the name of the description."""
     findings: list[Finding] = field(default_factory=list)
     warnings: list[Finding] = field(default_factory=list)
-    """Those of which adding the robot warns, too: bodies that the scene lacks."""
+    """Those of which adding the robot warns, too: of parts without which it is another robot."""
 
     def add(self, kind: str, part: str, text: str, *, warn: bool = False) -> None:
         """Adds a finding, once."""

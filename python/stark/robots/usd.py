@@ -15,9 +15,9 @@ from stark._core import InvalidArgument
 from stark.robots.checks import check_inertias
 from stark.robots.description import Flex, Geometry, Inertia, Link, RobotDescription, RobotJoint
 from stark.robots.inertias import inertia_of
-from stark.robots.usd_deformables import DEFORMABLE, Owner, applied, read_deformables
+from stark.robots.usd_deformables import DEFORMABLE, Owner, read_deformables
 from stark.robots.usd_joints import Side, UsdJoint, joints_of
-from stark.robots.usd_stage import Frame, Stage, turn, unique_names
+from stark.robots.usd_stage import Frame, Stage, applied, turn, unique_names
 from stark.robots.usd_unread import report_gravity, report_unread
 
 Floats = NDArray[np.float64]
@@ -157,11 +157,19 @@ class _Reader:
             owner = self._owner(prim)
             purpose = self.pxr.UsdGeom.Imageable(prim).ComputePurpose()
             collides = self._collides(prim)
+            if owner and not collides and (above := self._collider_above(prim)) is not None:
+                self.report.add(
+                    "suspicious",
+                    f"body '{self._name(owner)}'",
+                    f"{prim.GetPath()} does not touch: PhysicsCollisionAPI is on {above.GetPath()}, which is "
+                    f"no shape; apply it to the shapes",
+                    warn=True,
+                )
             if not owner:
                 if collides:
                     self.report.add("dropped", f"shape '{prim.GetPath()}'", "is part of no body")
                 continue
-            if not collides and purpose not in ("default", "render"):
+            if not collides and (purpose not in ("default", "render") or self._is_hidden(prim)):
                 continue
             body = self.bodies[owner]
             shape = self.stage.shape(prim, body.frame, f"body '{body.name}'")
@@ -180,6 +188,19 @@ class _Reader:
     def _collides(self, prim: Any) -> bool:
         api = self.pxr.UsdPhysics.CollisionAPI
         return bool(prim.HasAPI(api)) and api(prim).GetCollisionEnabledAttr().Get() is not False
+
+    def _is_hidden(self, prim: Any) -> bool:
+        geom = self.pxr.UsdGeom
+        return bool(geom.Imageable(prim).ComputeVisibility() == geom.Tokens.invisible)
+
+    def _collider_above(self, prim: Any) -> Any | None:
+        """The prim of the same body above a shape that would let it touch, if it were a shape itself."""
+        above = prim
+        while str(above.GetPath()) not in self.bodies:
+            above = above.GetParent()
+            if self._collides(above) and not above.IsA(self.pxr.UsdGeom.Gprim):
+                return above
+        return None
 
     def _link(self, body: _Body) -> Link:
         touching = [shape for prim, shape in body.shapes if self._collides(prim)]
@@ -329,7 +350,10 @@ class _Reader:
                     "scene.add_joint after the robot is added",
                 )
             self.report.add(
-                "dropped", f"joint '{joint.name}'", "closes a loop, excludeFromArticulation is set"
+                "dropped",
+                f"joint '{joint.name}'",
+                "closes a loop, excludeFromArticulation is set; close it with scene.add_joint",
+                warn=True,
             )
 
     def _excluded(self, used: set[str]) -> list[tuple[str, str]]:

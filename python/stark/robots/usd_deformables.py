@@ -13,7 +13,7 @@ from stark._core import InvalidArgument
 from stark.mesh import Polyline, TetMesh, TriangleMesh, oriented
 from stark.robots.description import Flex
 from stark.robots.usd_curves import Curves
-from stark.robots.usd_stage import SAME, Frame, Stage, unique_names, value_of
+from stark.robots.usd_stage import SAME, Frame, Stage, applied, unique_names, value_of
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int32]
@@ -45,11 +45,6 @@ class Owner:
     def local(self, points: Floats) -> Floats:
         found: Floats = (points - self.position) @ self.rotation
         return found
-
-
-def applied(prim: Any) -> list[str]:
-    """Names of the schemas of a prim, those that USD does not know included."""
-    return [str(name) for name in prim.GetPrimTypeInfo().GetAppliedAPISchemas()]
 
 
 def read_deformables(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stark._core import InvalidArgument
 from stark.robots.description import Gains, RobotJoint
 from stark.robots.report import Report
-from stark.robots.usd_stage import Stage, turn
+from stark.robots.usd_stage import Stage, applied, turn
 
 Floats = NDArray[np.float64]
 
@@ -224,8 +224,10 @@ class _Reading:
         armature = self._number("physxJoint:armature") or 0.0
         if self._number("physxJoint:jointFriction"):
             self.stage.report.add("dropped", self.title, "jointFriction: give joint.add_friction")
-        if any("Mimic" in str(schema) for schema in self.prim.GetAppliedSchemas()):
-            self.stage.report.add("dropped", self.title, "mimics another joint: use joint.add_gear")
+        if any("Mimic" in schema for schema in applied(self.prim)):
+            self.stage.report.add(
+                "dropped", self.title, "mimics another joint: use joint.add_gear", warn=True
+            )
         return Axis(
             number,
             slides,

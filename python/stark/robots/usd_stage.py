@@ -56,6 +56,11 @@ def unique_names(prims: list[Any]) -> list[str]:
     ]
 
 
+def applied(prim: Any) -> list[str]:
+    """Names of the schemas of a prim, those that USD does not know included."""
+    return [str(name) for name in prim.GetPrimTypeInfo().GetAppliedAPISchemas()]
+
+
 def value_of(prim: Any, name: str, otherwise: Any = None) -> Any:
     """Of an attribute, which the prim need not have."""
     attribute = prim.GetAttribute(name)

@@ -53,3 +53,18 @@ def test_a_joint_with_free_axes_is_a_row_of_joints(tmp_path: Path) -> None:
     assert back.root == "b" and back.coordinates == ("j_rotZ", "j_rotX")
     frame = kinematics.placements(back, np.array([0.5, 0.3]))["a"]
     np.testing.assert_allclose(frame.rotation, (x @ z).T, atol=1e-9)
+
+
+def test_parts_without_which_a_robot_moves_otherwise_are_warned_of(tmp_path: Path) -> None:
+    """A mimicking finger hung loose, and a loop was open, of which only the report told."""
+    pair = joint("j", "PhysicsRevoluteJoint", "a", "b", HINGE)
+    finger = joint("k", "PhysicsRevoluteJoint", "a", "c", HINGE, '"PhysxMimicJointAPI:rotZ"')
+    loop = joint(
+        "l", "PhysicsRevoluteJoint", "b", "c", HINGE + "bool physics:excludeFromArticulation = true\n"
+    )
+    file = stage(tmp_path, body("a") + body("b") + body("c") + pair + finger + loop)
+    with pytest.warns(stark.StarkWarning) as caught:
+        stark.Scene().add_robot(file, contact=False)
+    said = " ".join(str(warning.message) for warning in caught)
+    assert "joint 'k': mimics another joint: use joint.add_gear" in said
+    assert "joint 'l': closes a loop, excludeFromArticulation is set; close it with scene.add_joint" in said

@@ -79,3 +79,22 @@ def test_what_is_animated_starts_as_the_first_frame_has_it(tmp_path: Path) -> No
     found = {shape.kind: shape for shape in stark.robots.read(file).links["part"].collisions}
     assert found["sphere"].size == pytest.approx((3.0,))
     assert found["mesh"].vertices.max() == pytest.approx(2.0)
+
+
+def test_shapes_below_a_collider_that_is_no_shape_are_named(tmp_path: Path) -> None:
+    """An Xform with the schema is no collider; its shapes fell through the floor without a word."""
+    group = 'def Xform "group" (prepend apiSchemas = ["PhysicsCollisionAPI"]) {{\n{}}}\n'
+    inner = group.format(shape("Cube", collides=False) + shape("Sphere"))
+    with pytest.warns(
+        stark.StarkWarning, match=r"group/cube does not touch: PhysicsCollisionAPI is on .*group, "
+    ):
+        robot = stark.Scene().add_robot(stage(tmp_path, body("part", inner)))
+    assert [found.kind for found in robot.description.links["part"].collisions] == ["sphere"]
+
+
+def test_what_is_invisible_is_not_shown_but_touches(tmp_path: Path) -> None:
+    hidden = 'uniform token visibility = "invisible"\n'.replace("uniform ", "")
+    inner = shape("Cube", hidden, collides=False) + shape("Sphere", hidden) + shape("Cone", collides=False)
+    part = stark.robots.read(stage(tmp_path, body("part", inner))).links["part"]
+    assert [found.kind for found in part.collisions] == ["sphere"]
+    assert [found.kind for found in part.visuals] == ["mesh"]
