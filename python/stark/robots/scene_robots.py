@@ -72,7 +72,10 @@ class SceneRobots(SceneLink):
         from stark.robots.kinematics import Placement
         from stark.robots.reading import read
 
-        description = robot if isinstance(robot, RobotDescription) else read(robot, packages=packages)
+        if isinstance(robot, RobotDescription):
+            description = _as_it_is(robot)
+        else:
+            description = read(robot, packages=packages)
         title = self._robot_name(given_name(name) or description.name, chosen=name is not None)
         owner = f"robot '{title}'"
         base = description.base if base is None else given_choice(base, BASES, f"{owner}: base")
@@ -126,6 +129,21 @@ class SceneRobots(SceneLink):
             for part, count in zip(parts, counts, strict=True):
                 del part[count:]
             raise
+
+
+def _as_it_is(description: RobotDescription) -> RobotDescription:
+    """With the links and joints that are in its dictionaries now: parts may have been removed or replaced."""
+    return type(description)(
+        description.name,
+        description.links.values(),
+        description.joints.values(),
+        excluded=[pair for pair in description.excluded if set(pair) <= set(description.links)],
+        base=description.base,
+        placement=description.placement,
+        report=description.report,
+        flexes=description.flexes.values(),
+        closures=description.closures.values(),
+    )
 
 
 def _exclusions(description: RobotDescription, owner: str, given: Any) -> tuple[tuple[str, str], ...]:

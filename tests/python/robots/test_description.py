@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,22 @@ def described(*joints: RobotJoint, **options: object) -> RobotDescription:
 
 def hinge(k: int, parent: str = "base", **values: object) -> RobotJoint:
     return RobotJoint(f"joint_{k}", "revolute", parent, f"link_{k}", **values)  # type: ignore[arg-type]
+
+
+def test_parts_of_a_description_can_be_removed_and_replaced() -> None:
+    """The scene gets what is there when the robot is added; what no longer fits is named."""
+    arm = described(hinge(0), hinge(1, "link_0"), hinge(2, "link_1"), excluded=[("base", "link_2")])
+    del arm.links["link_2"], arm.joints["joint_2"]
+    arm.joints["joint_0"] = replace(arm.joints["joint_0"], kind="fixed")
+    for name in ("link_0", "link_1"):
+        arm.links[name] = replace(arm.links[name], inertia=Inertia(1.0, np.zeros(3), np.eye(3)))
+    robot = stark.Scene().add_robot(arm, contact=False)
+    assert robot.coordinates == ("joint_1",) and set(robot.links) == {"base", "link_0", "link_1"}
+    del arm.links["link_1"]
+    with pytest.raises(
+        stark.InvalidArgument, match="joint 'joint_1': child = 'link_1': must be one of the li"
+    ):
+        stark.Scene().add_robot(arm, contact=False)
 
 
 def test_an_inertia_of_points_is_the_sum_of_its_parts() -> None:
