@@ -274,7 +274,7 @@ def test_a_ball_between_plates_that_close() -> None:
     assert {"rigid body 'lower'", "rigid body 'upper'", "rigid body 'ball'"} <= set(diagnosis.bodies)
 
 
-def far_beam(place: float) -> stark.Simulation:
+def far_beam(place: float, iterations: int = 10) -> stark.Simulation:
     scene = stark.Scene()
     cube = scene.add_solid(
         stark.mesh.tet_box(0.1, 3), stark.materials.steel, position=(place, 0, 0), name="beam"
@@ -284,15 +284,22 @@ def far_beam(place: float) -> stark.Simulation:
         scene,
         time_step=0.01,
         **ONCE,
-        **{"newton.acceleration_tolerance": 1e-12, "newton.step_tolerance": 0.0, "newton.max_iterations": 10},
+        **{
+            "newton.acceleration_tolerance": 1e-12,
+            "newton.step_tolerance": 0.0,
+            "newton.max_iterations": iterations,
+        },
     )
 
 
 def test_tolerances_below_round_off() -> None:
-    # Nearer to the origin ten iterations get to where forces are rounding.
-    report = far_beam(1e3).step()
-    assert (report.status, report.at_rounding) == ("accepted", True)
-    diagnosis = failed(far_beam(1e4), "tolerance_below_round_off")
+    # Ten iterations get to where forces are rounding, also where no tolerance of motions tells.
+    for place in (1e3, 1e4):
+        report = far_beam(place).step()
+        assert (report.status, report.at_rounding) == ("accepted", True)
+        assert report.newton_iterations < 6
+    assert "newton.acceleration_tolerance = 0.6 m/s^2 would fit" in report.message
+    diagnosis = failed(far_beam(1e4, iterations=2), "tolerance_below_round_off")
     assert diagnosis.acceleration_rounding > 1e-12
     assert "newton.acceleration_tolerance = 1e-12 m/s^2" in diagnosis.finding
     assert diagnosis.remedy == (

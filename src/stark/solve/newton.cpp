@@ -27,6 +27,8 @@ constexpr double kPushed = 1e-4;      ///< rise of contact energy over the gain 
 constexpr double kStandstill = 0.01;  ///< motions over their tolerance that move next to nothing
 constexpr double kUsualStepTolerance = 1e-3;  ///< for that, where none is set [m/s]
 constexpr double kStaticShare = 1e-3;  ///< of the way of static minimisations, for the next motion to be less
+constexpr double kPlaceRounding =
+    1e-15;  ///< of distances from the origin, for motions that places do not show
 constexpr double kStaticRounding = 1e-10;  ///< of the extent of the objective, for motions that are nothing
 constexpr int kStaticPatience = 12;  ///< iterations of static minimisations for that share, beyond tolerances
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
@@ -75,6 +77,8 @@ void NewtonSolver::start(const Objective& objective, double time_step) {
   report_ = {};
   progress_ = {.settled = {}, .unsure_steps_left = kUnsureSteps};
   if (is_static_) progress_.extent = extent_of(objective.block_positions());
+  for (const Vec3& p : objective.block_positions())
+    progress_.place_rounding = std::max(progress_.place_rounding, kPlaceRounding * norm(p));
   const size_t n = 3 * static_cast<size_t>(objective.block_count());
   gradient_.assign(n, 0.0);
   direction_.assign(n, 0.0);
@@ -450,11 +454,12 @@ bool NewtonSolver::is_short() const {
 // step near the solution leaves a fraction of the forces; what one leaves as they were, where another would
 // move next to nothing, may be rounding.
 bool NewtonSolver::stands_still(const SolveReport& before) const {
+  if (before.iterations == 0 || report_.residual < kContraction * before.residual ||
+      report_.acceleration < kContraction * before.acceleration)
+    return false;
+  if (report_.last_motion <= progress_.place_rounding) return true;  // whatever part of it was taken
   const double tolerance = settings_.step_tolerance > 0.0 ? settings_.step_tolerance : kUsualStepTolerance;
-  return before.iterations > 0 && before.last_step_length == 1.0 &&
-         report_.residual >= kContraction * before.residual &&
-         report_.acceleration >= kContraction * before.acceleration &&
-         report_.last_motion < kStandstill * tolerance * time_step_;
+  return before.last_step_length == 1.0 && report_.last_motion < kStandstill * tolerance * time_step_;
 }
 
 bool NewtonSolver::meets_tolerances(const SolveReport& report, double factor) const {

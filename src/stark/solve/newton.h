@@ -68,6 +68,7 @@ class NewtonSolver {
     bool still_falls = false;       ///< whether it fell from part to part
     int static_patience = 0;        ///< iterations that met the tolerances, but moved by too much of the way
     double way = 0.0;               ///< sum of the motions of all steps [m]
+    double place_rounding = 0.0;    ///< motion that places do not show [m]
     double extent = 0.0;            ///< of the objective of a static minimisation [m]
     bool is_hessian_exact = false;  ///< neither projected nor shifted
     bool stands_still = false;      ///< the last full step has reduced nothing

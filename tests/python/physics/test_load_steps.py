@@ -145,6 +145,5 @@ def test_a_plug_is_pressed_into_a_ring() -> None:
     compliance = (outer**2 + inner**2) / (outer**2 - inner**2) + 0.3
     pressure = youngs_modulus * growth / inner / compliance
     push = -plug.holding_force[2]
-    validate(
-        "load_steps.press_fit", [touch / (pressure * 2.0 * np.pi * inner * height), push / (friction * touch)]
-    )
+    shares = [touch / (pressure * 2.0 * np.pi * inner * height), push / (friction * touch)]
+    validate("load_steps.press_fit", shares)

@@ -223,8 +223,8 @@ double ShadowMap::sharp(const Place& place) const {
 // Percentage-closer soft shadows [Fernando 2005]: what is in the way, then how much of the light is seen past
 // it.
 double ShadowMap::blurred(const Place& place) const {
-  // The surface itself is nearer to the light around the place; what is no nearer than that casts a sharp
-  // one.
+  // Around the place the surface itself is nearer to the light, by as much as it is slanted. What rises less
+  // above it casts a sharp shadow.
   const double own = kReach * (std::fabs(place.slope[0]) + std::fabs(place.slope[1]));
   const float nearest = nearest_around(place);
   if (place.depth - nearest <= own) return sharp(place);
