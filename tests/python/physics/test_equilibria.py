@@ -262,7 +262,7 @@ def curling_plate(scene: stark.Scene) -> stark.Cloth:
 
 @pytest.mark.parametrize("build", [shortened_column, curling_plate])
 def test_a_second_step_under_the_same_load_moves_nothing(build) -> None:
-    """Projected Hessians are too stiff: the column ended at a saddle, and moved by 122 mm in the second step."""
+    """Projected Hessians are too stiff: the column ended at a saddle, and moved on by 122 mm."""
     scene = stark.Scene()
     body = build(scene)
     sim = stark.Simulation(scene, gravity=(0, 0, 0), settings={"time.integrator": "quasistatic"})
