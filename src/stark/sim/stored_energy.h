@@ -50,8 +50,8 @@ class AtTime {
 /// What internal variables can do in so short a step is below rounding, while rates of what does not change
 /// stay zero. [s] of a step of one second or of more.
 inline constexpr double kInstant = 0x1p-40;
-/// The same of derivatives, in single precision: a damping force of rounding over the instant is no more than
-/// that.
+/// The same where forces are asked for, to single precision: rounding of positions over the instant shall not
+/// show as a force of dampers.
 inline constexpr double kInstantOfForces = 0x1p-24;
 
 /// A batch takes steps from x that are an instant long as long as this lives: its energy is what it stores.
