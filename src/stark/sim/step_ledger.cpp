@@ -4,7 +4,9 @@
 // methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D. What internal
 // variables dissipate follows from the energy of the step alone [theory eq. 10c].
 #include <algorithm>
+#include <optional>
 
+#include <stark/base/rotation.h>
 #include <stark/mechanics/element_virial.h>
 #include <stark/mechanics/site_gradient.h>
 #include <stark/sim/internal_variables.h>
@@ -16,10 +18,21 @@ namespace stark {
 
 namespace {
 
-double work(std::span<const Vec3> gradient, std::span<const Vec3> from, std::span<const Vec3> to) {
+double work(std::span<const Vec3> gradient, std::span<const Vec3> way) {
   double total = 0.0;
-  for (size_t i = 0; i < gradient.size(); ++i) total += dot(gradient[i], to[i] - from[i]);
+  for (size_t i = 0; i < gradient.size(); ++i) total += dot(gradient[i], way[i]);
   return total;
+}
+
+/// Whether three sites from i on are the axes of a body.
+bool are_axes(const KinematicMap& map, int32_t i) {
+  for (int32_t k = 0; k < 3; ++k) {
+    if (i + k >= map.site_count()) return false;
+    const Site& site = map.site(i + k);
+    const bool is_axis = site.kind == SiteKind::RigidDirection && site.local == Mat3::identity().column(k);
+    if (!is_axis || site.index != map.site(i).index) return false;
+  }
+  return true;
 }
 
 /// Change of the step by which energies are differentiated for its length, by differences of fourth order:
@@ -79,6 +92,8 @@ StepLedger::StepLedger(const StepContext& context, const StepMotion& motion)
     const Site& site = map.site(i);
     const bool is_of_body = site.kind == SiteKind::RigidPoint;
     if (is_of_body && site.local == Vec3{}) centres_.push_back(i);
+    if (site.kind == SiteKind::RigidDirection) directions_.push_back(i);
+    if (are_axes(map, i)) axes_.push_back(i);
     const bool hangs_on_points = !map.support(i).points.empty();
     const bool is_carried = is_of_body && map.layout().body_block[site.index] == kNoBlock;
     if (map.is_prescribed(i) || hangs_on_points || is_carried) driven_.push_back(i);
@@ -181,6 +196,23 @@ double StepLedger::elastic_energy(std::span<const Vec3> x) {
   return total;
 }
 
+// What acts on directions of a body is a torque; it works along the turn, not along the chord of a direction,
+// along which parts of the force count that turn nothing.
+std::vector<Vec3> StepLedger::way_to(std::span<const Vec3> x) const {
+  std::vector<Vec3> way(x.size());
+  for (size_t i = 0; i < x.size(); ++i) way[i] = x[i] - step_start_[i];
+  std::vector<std::optional<Vec3>> turn(model_.map().layout().rotation_block.size());  // of free bodies
+  for (const int32_t i : axes_) {
+    const auto axes_at = [i](std::span<const Vec3> places) {
+      return Mat3::from_columns(places[i], places[i + 1], places[i + 2]);
+    };
+    turn[model_.map().site(i).index] = log_rotation(axes_at(x) * transpose(axes_at(step_start_)));
+  }
+  for (const int32_t i : directions_)
+    if (const auto& of_body = turn[model_.map().site(i).index]) way[i] = cross(*of_body, x[i]);
+  return way;
+}
+
 double StepLedger::damping_work() {
   const std::span<const Vec3> x = potential_.site_positions();
   std::vector<Vec3> dissipative;  // empty where nothing dissipates
@@ -195,7 +227,7 @@ double StepLedger::damping_work() {
     if (batch.role == ModelBatch::Role::Elastic && remembers(batch.batch)) add(batch.batch);
   for (ModelQuadrature& elements : energies_.quadrature)
     if (remembers(elements.batch.law())) add(elements.batch);
-  double total = work(dissipative, step_start_, x);
+  double total = dissipative.empty() ? 0.0 : work(dissipative, way_to(x));
   for (const ModelBatch& batch : energies_.batches) {
     if (!batch.is_inertia()) continue;
     const int mass = batch.batch.field_index("mass"), damping = batch.batch.field_index("damping");
@@ -241,25 +273,26 @@ double StepLedger::flow_dissipation(Batch& batch) {
 double StepLedger::driven_work() {
   const std::span<const Vec3> x = potential_.site_positions();
   double total = 0.0;
-  std::vector<Vec3> gradient, at;  // empty where no energy may drive
+  std::vector<Vec3> gradient, at, way;  // empty where no energy may drive
   for (const int32_t k : energies_of_users_) {
     PotentialBatch& batch = energies_.batches[k].batch;
     if (!remembers(batch) || batch.potential().internal_width() > 0) continue;
     at.resize(x.size());
+    if (way.empty()) way = way_to(x);
     gradient.assign(x.size(), Vec3{});
     batch.set_previous(x);
     add_site_gradient(batch, x, 1.0, gradient, &pool_);
-    const double force_work = work(gradient, step_start_, x);
+    const double force_work = work(gradient, way);
     double largest = 0.0;
     const double slope = slope_at_end([&](double part) {
-      for (size_t i = 0; i < x.size(); ++i) at[i] = x[i] + (step_start_[i] - x[i]) * part;
+      for (size_t i = 0; i < x.size(); ++i) at[i] = x[i] - way[i] * part;
       const double energy = stored(batch, at, pool_);
       largest = std::max(largest, std::fabs(energy));
       return energy;
     });
     motion_.set_previous(batch);
     double size = 0.0;
-    for (size_t i = 0; i < x.size(); ++i) size += std::fabs(dot(gradient[i], x[i] - step_start_[i]));
+    for (size_t i = 0; i < x.size(); ++i) size += std::fabs(dot(gradient[i], way[i]));
     const double driven = slope - force_work;
     if (std::fabs(driven) > kDriven * size + kRounding * largest) total += driven;
   }
@@ -322,7 +355,9 @@ double StepLedger::friction_work(std::span<const Vec3> x) {
     friction.resize(x.size());
     add_site_gradient(*batch, x, 1.0 / contact_->weight(), friction);
   }
-  return work(friction, step_start_, x);
+  double total = 0.0;
+  for (size_t i = 0; i < friction.size(); ++i) total += dot(friction[i], x[i] - step_start_[i]);
+  return total;
 }
 
 EnergyLedger StepLedger::balance(const EnergyLedger& before, std::span<const double> coordinates_before) {

@@ -35,6 +35,8 @@ class StepLedger : private StepPart {
   std::vector<Vec3> site_gradient() const;
 
  private:
+  /// Motions of the step to x that forces at its end work along: chords, of directions of bodies tangents.
+  std::vector<Vec3> way_to(std::span<const Vec3> x) const;
   double prescribed_work();
   /// With the internal variables that the batches have.
   double elastic_energy(std::span<const Vec3> x);
@@ -55,6 +57,8 @@ class StepLedger : private StepPart {
 
   const StepMotion& motion_;
   std::vector<int32_t> centres_;                           ///< sites at the centres of bodies
+  std::vector<int32_t> axes_;                              ///< the first of the three axes of each body, ...
+  std::vector<int32_t> directions_;                        ///< ... and all directions of bodies
   std::vector<int32_t> energies_of_users_;                 ///< their batches
   std::vector<int32_t> timed_batches_, timed_quadrature_;  ///< whose energy depends on the time
   double work_of_time_ = 0.0;                              ///< of the step under way [J]
