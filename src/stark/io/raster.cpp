@@ -22,7 +22,6 @@ using raster::VisibilityBuffer;
 /// Samples of the key light lie in a cone of this half angle [rad]: it sets the softness of its shadows.
 constexpr double kKeyLightRadius = 0.06;
 constexpr double kOverlap = 1.3;  ///< radius of what a sample stands for, over that of its share of the area
-constexpr double kGoldenAngle = 2.399963229728653;
 const Vec3 kKeyColor{0.84, 0.81, 0.765}, kSkyColor{0.40, 0.425, 0.46}, kEarthColor{0.22, 0.205, 0.19};
 const Vec3 kGroundColor{0.80, 0.81, 0.83};  // sRGB
 
@@ -68,13 +67,15 @@ class Lighting {
     const double key_spread = kKeyLightRadius * kOverlap / std::sqrt(std::max(1, settings.key_lights));
     const double sky_spread = std::sqrt(2.0 / std::max(1, settings.sky_lights)) * kOverlap;
     for (int i = 0; i < settings.key_lights; ++i) {
-      const double r = kKeyLightRadius * std::sqrt((i + 0.5) / settings.key_lights), a = kGoldenAngle * i;
+      const auto [share, a] = raster::disk_sample(i, settings.key_lights);
+      const double r = kKeyLightRadius * share;
       maps_.emplace_back(normalized(key_ + (r * std::cos(a)) * side + (r * std::sin(a)) * other),
                          settings.scene_center, reach, 1024, key_spread);
     }
     // Equal areas of the upper hemisphere, so that the sum over the lights is the integral over the sky.
     for (int i = 0; i < settings.sky_lights; ++i) {
-      const double z = (i + 0.5) / settings.sky_lights, r = std::sqrt(1.0 - z * z), a = kGoldenAngle * i;
+      const double z = (i + 0.5) / settings.sky_lights, r = std::sqrt(1.0 - z * z);
+      const double a = raster::disk_sample(i, settings.sky_lights).angle;
       maps_.emplace_back(Vec3{r * std::cos(a), r * std::sin(a), z}, settings.scene_center, reach, 512,
                          sky_spread);
     }

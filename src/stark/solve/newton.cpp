@@ -25,7 +25,7 @@ constexpr double kNear = 5.0;            ///< motions over their tolerance from 
 constexpr double kWorthGuessing = 10.0;  ///< motions over their tolerance from which a guess is worth it
 constexpr double kPushed = 1e-4;      ///< rise of contact energy over the gain of a guess that hits something
 constexpr double kStandstill = 0.01;  ///< motions over their tolerance that move next to nothing
-constexpr double kUsualStepTolerance = 1e-3;  ///< for that, where none is set [m/s]
+constexpr double kUsualStepTolerance = 1e-3;  ///< of motions that stand still, if none is set [m/s]
 constexpr double kStaticShare = 1e-3;  ///< of the way of static minimisations, for the next motion to be less
 constexpr double kPlaceRounding =
     1e-15;  ///< of distances from the origin, for motions that places do not show

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,6 +27,15 @@ struct TriangleScene {
 
 /// Checks the meshes and flattens them. Throws InvalidArgument.
 TriangleScene flatten(std::span<const RasterMesh> meshes);
+
+/// Samples of the unit disk: equal areas, no two in a line. In polar coordinates.
+struct DiskSample {
+  double radius, angle;
+};
+inline DiskSample disk_sample(int i, int count) {
+  constexpr double kGoldenAngle = 2.399963229728653;
+  return {std::sqrt((i + 0.5) / count), kGoldenAngle * i};
+}
 
 /// Depth map of a light over a square around the scene; depth grows away from the light.
 class ShadowMap {

@@ -16,13 +16,11 @@ constexpr double kSharp = 1.0;  ///< radius of a penumbra [texels] that filterin
 constexpr double kSteepest =
     0.1;  ///< cosine of the light on a surface, below which it is as good as along it
 
-/// Samples of the unit disk: equal areas, no two in a line.
 template <int kCount>
 std::array<std::array<double, 2>, kCount> spiral() {
-  constexpr double kGoldenAngle = 2.399963229728653;
   std::array<std::array<double, 2>, kCount> samples;
   for (int i = 0; i < kCount; ++i) {
-    const double radius = std::sqrt((i + 0.5) / kCount), angle = kGoldenAngle * i;
+    const auto [radius, angle] = disk_sample(i, kCount);
     samples[i] = {radius * std::cos(angle), radius * std::sin(angle)};
   }
   return samples;
