@@ -2,38 +2,93 @@
 #include <stark/mechanics/embedded_assembly.h>
 
 #include <algorithm>
+#include <tuple>
+#include <utility>
 
 namespace stark {
 
 namespace {
 
-/// How one block moves a site: by weight * I, or by -[r]x of its lever.
-struct Term {
-  int32_t block;
-  double weight;
-  const Vec3* lever;  ///< nullptr: moved along
-};
+constexpr size_t kMatSize = 9;
 
-void append_terms(const SiteJacobian& jacobian, std::vector<Term>& out) {
-  out.clear();
-  for (size_t k = 0; k < jacobian.support_blocks.size(); ++k)
-    if (jacobian.support_blocks[k] != kNoBlock && jacobian.support_weights[k] != 0.0)
-      out.push_back({jacobian.support_blocks[k], jacobian.support_weights[k], nullptr});
-  for (int k = 0; k < jacobian.term_count; ++k) {
-    const JacobianTerm& term = jacobian.terms[k];
-    out.push_back({term.block, term.weight, term.is_rotation ? &jacobian.lever : nullptr});
+/// Sites that the same blocks move: those of a cell, of a body, or one alone.
+using Group = std::pair<SiteKind, int32_t>;
+
+Group group_of(const KinematicMap& map, int32_t site) {
+  const Site& of_site = map.site(site);
+  const bool is_of_body = of_site.kind == SiteKind::RigidPoint || of_site.kind == SiteKind::RigidDirection;
+  return {of_site.kind, map.is_embedded(site) ? map.support_index(site) : is_of_body ? of_site.index : site};
+}
+
+/// Blocks that move a site: the same ones in the same order for all sites of a group.
+std::vector<int32_t> moving_blocks(const SiteJacobian& jacobian) {
+  std::vector<int32_t> blocks(jacobian.support_blocks.begin(), jacobian.support_blocks.end());
+  for (int k = 0; k < jacobian.term_count; ++k) blocks.push_back(jacobian.terms[k].block);
+  return blocks;
+}
+
+void add_weighted(std::span<double> sum, double weight, std::span<const double> values) {
+  for (size_t k = 0; k < sum.size(); ++k) sum[k] += weight * values[k];
+}
+
+/// Sum of J_p^T H_pq J_q of the pairs of two groups of sites, each group with the same blocks.
+class PairSum {
+ public:
+  PairSum(std::vector<int32_t> rows, std::vector<int32_t> columns)
+      : rows_(std::move(rows)),
+        columns_(std::move(columns)),
+        sum_(rows_.size() * columns_.size() * kMatSize),
+        row_(columns_.size() * kMatSize) {}
+
+  /// row = sum_q H_pq J_q of one site p, a pair at a time.
+  void add_to_row(const Mat3& H, const SiteJacobian& q) {
+    for (size_t b = 0; b < q.support_blocks.size(); ++b)
+      if (q.support_weights[b] != 0.0) add_weighted(row_block(b), q.support_weights[b], H.m);
+    for (int k = 0; k < q.term_count; ++k)
+      add_weighted(row_block(q.support_blocks.size() + k), 1.0, (H * q.matrix(q.terms[k])).m);
   }
-}
 
-/// Adds weight * H, transposed where the block pair is the one that is not stored.
-void add_block(BlockMatrix& hessian, const Term& a, const Mat3& H, const Term& b) {
-  const bool is_upper = a.block <= b.block;
-  const int64_t slot = hessian.pattern.slot(is_upper ? a.block : b.block, is_upper ? b.block : a.block);
-  double* values = hessian.values.data() + 9 * slot;
-  const double weight = a.weight * b.weight;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) values[3 * i + j] += weight * (is_upper ? H(i, j) : H(j, i));
-}
+  /// sum += J_p^T row, and starts the next row.
+  void end_row(const SiteJacobian& p) {
+    for (size_t a = 0; a < p.support_blocks.size(); ++a)
+      if (p.support_weights[a] != 0.0) add_weighted(sum_row(a), p.support_weights[a], row_);
+    for (int k = 0; k < p.term_count; ++k) {
+      const Mat3 transposed = transpose(p.matrix(p.terms[k]));
+      for (size_t b = 0; b < columns_.size(); ++b) {
+        Mat3 H;
+        std::ranges::copy(row_block(b), H.m.begin());
+        add_weighted(sum_row(p.support_blocks.size() + k).subspan(b * kMatSize, kMatSize), 1.0,
+                     (transposed * H).m);
+      }
+    }
+    std::ranges::fill(row_, 0.0);
+  }
+
+  /// Adds the sum and its transpose, of which the system has the upper triangle.
+  void add_to(BlockMatrix& hessian) const {
+    for (size_t a = 0; a < rows_.size(); ++a)
+      for (size_t b = 0; b < columns_.size(); ++b) {
+        if (rows_[a] == kNoBlock || columns_[b] == kNoBlock) continue;
+        const double* H = sum_.data() + (a * columns_.size() + b) * kMatSize;
+        const int64_t slot =
+            hessian.pattern.slot(std::min(rows_[a], columns_[b]), std::max(rows_[a], columns_[b]));
+        double* values = hessian.values.data() + kMatSize * slot;
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) {
+            if (rows_[a] <= columns_[b]) values[3 * i + j] += H[3 * i + j];
+            if (rows_[a] >= columns_[b]) values[3 * j + i] += H[3 * i + j];
+          }
+      }
+  }
+
+ private:
+  std::span<double> row_block(size_t b) { return std::span(row_).subspan(b * kMatSize, kMatSize); }
+  std::span<double> sum_row(size_t a) { return std::span(sum_).subspan(a * row_.size(), row_.size()); }
+
+  std::vector<int32_t> rows_, columns_;
+  std::vector<double> sum_;  ///< [row][column][3][3]
+  std::vector<double> row_;  ///< [column][3][3]
+};
 
 }  // namespace
 
@@ -49,21 +104,30 @@ void SitePairs::add(int32_t p, int32_t q, const Mat3& H) {
 }
 
 void SitePairs::scatter(const KinematicMap& map, const Configuration& configuration, BlockMatrix& hessian) {
-  std::vector<Term> of_p, of_q;
-  for (const Pair& pair : pairs_) {
-    const SiteJacobian p = map.jacobian(pair.p, configuration), q = map.jacobian(pair.q, configuration);
-    append_terms(p, of_p);
-    append_terms(q, of_q);
-    for (const Term& a : of_p)
-      for (const Term& b : of_q) {
-        if (pair.p == pair.q && a.block > b.block) continue;  // the transposed pair adds it
-        Mat3 H = pair.H;
-        if (a.lever) H = skew(*a.lever) * H;
-        if (b.lever) H = H * skew(-*b.lever);
-        add_block(hessian, a, H, b);
-        // A diagonal block has both orders of two different sites.
-        if (pair.p != pair.q && a.block == b.block) add_block(hessian, a, transpose(H), b);
-      }
+  struct Placed {
+    Group rows, columns;
+    const Pair* pair;
+  };
+  std::vector<Placed> placed;
+  placed.reserve(pairs_.size());
+  for (const Pair& pair : pairs_) placed.push_back({group_of(map, pair.p), group_of(map, pair.q), &pair});
+  std::ranges::sort(placed, {}, [](const Placed& place) {
+    return std::tuple(place.rows, place.columns, place.pair->p, place.pair->q);
+  });
+  const auto jacobian = [&](int32_t site) { return map.jacobian(site, configuration); };
+  for (size_t begin = 0, end = 0; begin < placed.size(); begin = end) {
+    const Placed& first = placed[begin];
+    PairSum sum(moving_blocks(jacobian(first.pair->p)), moving_blocks(jacobian(first.pair->q)));
+    const auto is_of_group = [&](size_t k) {
+      return k < placed.size() && placed[k].rows == first.rows && placed[k].columns == first.columns;
+    };
+    for (; is_of_group(end); ++end) {
+      const Pair& pair = *placed[end].pair;
+      // The sum is added with its transpose: of a pair of a site with itself, twice the half.
+      sum.add_to_row(pair.p == pair.q ? pair.H * 0.5 : pair.H, jacobian(pair.q));
+      if (!is_of_group(end + 1) || placed[end + 1].pair->p != pair.p) sum.end_row(jacobian(pair.p));
+    }
+    sum.add_to(hessian);
   }
   pairs_.clear();
   places_.clear();

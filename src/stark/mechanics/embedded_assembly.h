@@ -1,5 +1,6 @@
 // Chain rule for embedded sites, which follow 8 or 27 points (step phase 4e). Elements add their blocks to
-// pairs of sites first; each pair then goes to the points once, whatever the number of contacts it is in:
+// pairs of sites first, whatever the number of contacts a pair is in. All pairs of the same two cells are
+// then summed in a small dense matrix of the points of these cells, which goes to the system once:
 //     H_ab += w_ka w_lb H_kl   for all points a of site k and b of site l. [theory eq. 6a]
 #pragma once
 
