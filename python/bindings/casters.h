@@ -98,7 +98,7 @@ auto number_in() {
   else
     return std::type_identity<Value>();
 }
-/// What a plain type is made of: Vec3 of doubles, CellFilling of part, mean and mean square.
+/// What a plain type is made of: Vec3 of doubles, CellFilling of 27 moments.
 template <typename Value>
 using NumberOf = typename decltype(number_in<Value>())::type;
 template <typename T>

@@ -22,7 +22,7 @@ inline void read_elements(nb::handle object, const std::string& name, SolidMesh&
 }
 
 /// From "vertices" (n, 3), "elements", and "embedding" of what the solid carries along: "cells" (k,),
-/// "triangles" (m, 3) and "filling" (elements, 7).
+/// "triangles" (m, 3) and "filling" (elements, 27).
 inline SolidMesh solid_mesh(const Given& given) {
   SolidMesh mesh;
   given.read("vertices", mesh.vertices);
@@ -32,7 +32,7 @@ inline SolidMesh solid_mesh(const Given& given) {
     embedding.require("cells", "triangles", "filling");
     embedding.read("cells", mesh.embedding.elements, "an array of shape (k,)");
     embedding.read("triangles", mesh.embedding.triangles, "an array of shape (m, 3)");
-    embedding.read("filling", mesh.embedding.fillings, "an array of shape (elements, 7)");
+    embedding.read("filling", mesh.embedding.fillings, "an array of shape (elements, 27)");
   }
   return mesh;
 }

@@ -104,7 +104,7 @@ TEST_CASE("embedded vertices cannot be pinned nor carry layers, and wrong embedd
     CHECK_THROWS_AS(scene.add_solid(wrong), InvalidMesh);
   };
   refused([](SolidMesh& mesh) { mesh.embedding.fillings.pop_back(); });
-  refused([](SolidMesh& mesh) { mesh.embedding.fillings[0].part = 0.0; });
+  refused([](SolidMesh& mesh) { mesh.embedding.fillings[0].moments = {}; });
   refused([](SolidMesh& mesh) { mesh.embedding.elements[0] = -1; });
   refused([](SolidMesh& mesh) { mesh.embedding.triangles[0] = {0, 1, 2}; });
   refused([](SolidMesh& mesh) { mesh.embedding.triangles.pop_back(), mesh.vertices.back().x += 1.0; });

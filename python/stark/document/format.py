@@ -94,7 +94,7 @@ EMBEDDING = Record(
     {
         "triangles": Field(_indices(3), doc="of the last vertices"),
         "cells": Field(Array((None,), integers=True), doc="element of each of those vertices"),
-        "filling": Field(Array((None, 7)), doc="of each element: part, means of coordinates and of squares"),
+        "filling": Field(Array((None, None)), doc="moments (elements, 27); older: part, means, mean squares"),
     }
 )
 SURFACE_MOTION = Record(

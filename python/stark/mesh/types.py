@@ -248,14 +248,22 @@ class SolidMesh(MeshBase):
         return f"SolidMesh({len(self.vertices)} vertices, {len(self.elements)} elements: {kind})"
 
 
+def _moments_of_means(filling: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of files that have the part, the means and the mean squares of the coordinates: of boxes."""
+    part, means, squares = filling[:, 0], filling[:, 1:4], filling[:, 4:]
+    x, y, z = np.stack([np.ones_like(means), means, squares]).transpose(2, 0, 1)  # (power, m) each
+    return np.asarray(np.einsum("m,im,jm,km->mkji", part, x, y, z).reshape(-1, 27))
+
+
 class EmbeddedMesh(SolidMesh):
     """A surface in a lattice of hexahedra, as ``stark.mesh.lattice`` makes it: elasticity is that of the
     lattice, contact and pictures are of the surface, which follows it.
 
     ``vertices`` (n, 3) [m]: first the nodes, then the vertices of the surface. ``elements`` (m, 8 | 27):
     nodes of each cell. ``triangles`` (t, 3): the surface, as indices of ``vertices``. ``cells`` (k,): the
-    element of each vertex of the surface. ``filling`` (m, 7): the part of each cell that is inside, and
-    the means of the coordinates and of their squares there, in units of the cell."""
+    element of each vertex of the surface. ``filling`` (m, 27): moments of what is inside of each cell, in
+    units of the cell: integrals of x^i y^j z^k there, i, j, k in 0, 1, 2, at i + 3 j + 9 k. The first is the
+    part of the cell that is inside."""
 
     elements: Indices
     triangles: Indices
@@ -276,13 +284,15 @@ class EmbeddedMesh(SolidMesh):
             raise InvalidMesh(f"{where}elements have {self.elements.shape[1]} nodes: must have 8 or 27")
         self.__dict__["triangles"] = indices_of(triangles, 3, where + "triangles")
         self.__dict__["cells"] = indices_of(np.reshape(cells, (-1, 1)), 1, where + "cells")[:, 0]
-        parts = numbers_of(filling)
-        if parts.shape != (len(self.elements), 7):
+        moments = numbers_of(filling)
+        if moments.shape == (len(self.elements), 7):
+            moments = _moments_of_means(moments)
+        if moments.shape != (len(self.elements), 27):
             raise InvalidMesh(
-                f"{where}filling: got the shape {parts.shape}: must be ({len(self.elements)}, 7): the part "
-                f"and six means of each element"
+                f"{where}filling: got the shape {moments.shape}: must be ({len(self.elements)}, 27): moments "
+                f"of each element; use stark.mesh.lattice"
             )
-        self.__dict__["filling"] = np.ascontiguousarray(parts, dtype=np.float64)
+        self.__dict__["filling"] = np.ascontiguousarray(moments, dtype=np.float64)
         if not 0 < len(self.cells) < len(self.vertices):
             raise InvalidMesh(
                 f"{where}cells: {len(self.cells)} of {len(self.vertices)} vertices are of the surface: must "

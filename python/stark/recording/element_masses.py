@@ -31,9 +31,12 @@ def solid_masses(mesh: Any, density: Floats) -> Floats:
         shares = _shares(mesh.vertices[elements])
     if isinstance(mesh, EmbeddedMesh):
         cut = mesh.filling[:, 0] < 1.0
-        part = mesh.filling[cut]
+        moments = mesh.filling[cut]
+        part = moments[:, :1]
         volumes = shares[cut].sum(axis=1) * part[:, 0]
-        shares[cut] = volumes[:, None] * _filled(part[:, 1:4], part[:, 4:], elements.shape[1])
+        shares[cut] = volumes[:, None] * _filled(
+            moments[:, [1, 3, 9]] / part, moments[:, [2, 6, 18]] / part, elements.shape[1]
+        )
     masses = shares * np.broadcast_to(density, len(elements))[:, None]
     sums = np.bincount(np.ravel(elements), weights=masses.ravel(), minlength=len(mesh.vertices))
     return np.asarray(sums, dtype=np.float64)

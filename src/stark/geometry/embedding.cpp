@@ -12,11 +12,6 @@ namespace {
 /// Least weight of a node in a direction: it keeps every node heavy.
 constexpr double kLeastWeight = 0.01;
 
-/// Least width of what is filled over that of the cell: it keeps every motion of an element stiff. Quadratic
-/// ones are so by its square: more of it where little of the cell is filled.
-constexpr double kLeastWidth = 0.1, kLeastQuadraticWidth = 0.5;
-constexpr double kLittle = 0.1;  ///< part of the cell
-
 constexpr int kMaxIterations = 30;
 
 /// Coordinates of the points in a direction, sorted.
@@ -83,32 +78,12 @@ std::vector<double> embedding_weights(const SolidMesh& mesh) {
   return weights;
 }
 
-Vec3 filled_position(ElementType type, const CellFilling& filling, const Vec3& position) {
-  const bool is_weak = type == ElementType::Hex27 && filling.part < kLittle;
-  const double least = is_weak ? kLeastQuadraticWidth : kLeastWidth;
-  Vec3 result;
-  for (int k = 0; k < 3; ++k) {
-    const double variance = filling.mean_square[k] - filling.mean[k] * filling.mean[k];
-    const double width = std::sqrt(std::max(12.0 * variance, least * least));
-    result[k] = filling.mean[k] + (position[k] - 0.5) * width;
-  }
-  return result;
-}
-
-std::vector<Vec3> quadrature_positions(const SolidMesh& mesh, int64_t element) {
-  std::vector<Vec3> positions;
-  const bool is_cut = mesh.is_embedded() && mesh.embedding.fillings[element].part < 1.0;
-  for (const QuadraturePoint& q : reference_element(mesh.type).quadrature)
-    positions.push_back(is_cut ? filled_position(mesh.type, mesh.embedding.fillings[element], q.position)
-                               : q.position);
-  return positions;
-}
-
 void filled_rule(std::span<const Vec3> points, const CellFilling& filling, std::span<double> out) {
   std::fill(out.begin(), out.end(), 1.0);
+  const Vec3 mean = filling.mean(), mean_square = filling.mean_square();
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<double> places = places_of(points, axis);
-    const std::array<double, 3> weights = weights_at(places, filling.mean[axis], filling.mean_square[axis]);
+    const std::array<double, 3> weights = weights_at(places, mean[axis], mean_square[axis]);
     for (size_t q = 0; q < points.size(); ++q) {
       size_t nearest = 0;
       for (size_t k = 1; k < places.size(); ++k)

@@ -1,5 +1,5 @@
-// Surfaces in hexahedra: shape functions at embedded vertices, and rules of quadrature and masses for
-// elements that are filled in part. Used while a scene or model is built. [theory eq. 10m]
+// Surfaces in hexahedra: shape functions at embedded vertices, and masses of elements that are filled in
+// part. Used while a scene or model is built. [theory eq. 10m]
 #pragma once
 
 #include <span>
@@ -17,14 +17,6 @@ Vec3 find_reference_position(const SolidMesh& mesh, int64_t element, const Vec3&
 void embedding_weights(const SolidMesh& mesh, size_t k, std::span<double> out);
 /// Of all embedded vertices: [vertex][node].
 std::vector<double> embedding_weights(const SolidMesh& mesh);
-
-/// Where a point of a rule on the cell is in what is filled: the rule is that of the box with the centre and
-/// the second moments of the filling, at least a tenth of the cell wide; with 27 nodes half of it where less
-/// than a tenth is filled.
-Vec3 filled_position(ElementType type, const CellFilling& filling, const Vec3& position);
-
-/// Positions of the quadrature points of an element in its reference coordinates, those of filled_position().
-std::vector<Vec3> quadrature_positions(const SolidMesh& mesh, int64_t element);
 
 /// Positive weights of a product rule at `points` of the reference cell, two or three in each direction,
 /// that sum to one and have the mean, and with three points the mean square, of a filling. Where positive

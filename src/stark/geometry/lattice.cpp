@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <stark/base/error.h>
 #include <stark/base/settings.h>
@@ -118,16 +119,25 @@ std::vector<char> cells_at_surface(const Grid& grid, const TriangleMesh& surface
   return result;
 }
 
-/// A sum of positions and squares in a cell, and their means.
+void scale(CellFilling& filling, double factor) {
+  for (double& m : filling.moments) m *= factor;
+}
+
+/// Sums of x^i y^j z^k over points of a cell.
 struct Moments {
-  double count = 0.0;
-  Vec3 sum, squares;
+  std::array<double, 27> sums{};
+  double count() const { return sums[0]; }
   void add(const Vec3& x) {
-    count += 1.0;
-    sum += x;
-    squares += {x.x * x.x, x.y * x.y, x.z * x.z};
+    for (int k = 0; k < 3; ++k)
+      for (int j = 0; j < 3; ++j)
+        for (int i = 0; i < 3; ++i) sums[i + 3 * j + 9 * k] += power(x.x, i) * power(x.y, j) * power(x.z, k);
   }
-  CellFilling filling(double part) const { return {part, sum / count, squares / count}; }
+  CellFilling filling(double part) const {
+    CellFilling result{sums};
+    scale(result, part / count());
+    return result;
+  }
+  static double power(double x, int n) { return n == 0 ? 1.0 : n == 1 ? x : x * x; }
 };
 
 class Filler {
@@ -145,19 +155,21 @@ class Filler {
     }
   }
 
-  /// Part 0: the cell is not needed.
-  CellFilling fill(const Index3& cell) {
+  /// Nothing: the cell is not needed.
+  std::optional<CellFilling> fill(const Index3& cell) {
     const Vec3 corner = grid_.corner(cell);
     const int64_t number = grid_.at(cell);
-    if (!at_surface_[number]) return {is_inside(corner + Vec3{0.5, 0.5, 0.5} * grid_.size) ? 1.0 : 0.0};
+    if (!at_surface_[number]) {
+      if (!is_inside(corner + Vec3{0.5, 0.5, 0.5} * grid_.size)) return {};
+      return CellFilling{};
+    }
     Moments inside;
     for (const Vec3& s : samples_)
       if (is_inside(corner + s * grid_.size)) inside.add(s);
-    if (inside.count == kFillingSamples) return {};
-    const bool has_vertices = of_vertices_[number].count > 0.0;
-    if (inside.count == 0.0)
-      return has_vertices ? of_vertices_[number].filling(kLeastPart) : CellFilling{0.0};
-    return inside.filling(std::max(kLeastPart, inside.count / kFillingSamples));
+    if (inside.count() == kFillingSamples) return CellFilling{};
+    if (inside.count() > 0.0) return inside.filling(std::max(kLeastPart, inside.count() / kFillingSamples));
+    if (of_vertices_[number].count() > 0.0) return of_vertices_[number].filling(kLeastPart);
+    return {};
   }
 
   bool found_inside() const { return largest_ > 0.5; }
@@ -192,12 +204,12 @@ void correct_volume(const TriangleMesh& surface, double cell_volume, std::vector
         dot(surface.vertices[i] - from, cross(surface.vertices[j] - from, surface.vertices[k] - from)) / 6.0;
   double total = 0.0, room = 0.0;
   for (const CellFilling& f : fillings) {
-    total += f.part;
-    room += f.part * (1.0 - f.part);
+    total += f.part();
+    room += f.part() * (1.0 - f.part());
   }
   const double correction = room > 0.0 ? (exact / cell_volume - total) / room : 0.0;
   if (std::fabs(correction) > kLargestCorrection) return;
-  for (CellFilling& f : fillings) f.part += correction * f.part * (1.0 - f.part);
+  for (CellFilling& f : fillings) scale(f, 1.0 + correction * (1.0 - f.part()));
 }
 
 void require_inside(const Filler& filler) {
@@ -226,10 +238,10 @@ SolidMesh make_lattice(const TriangleMesh& surface, double cell_size, bool quadr
   for (int32_t z = 0; z < grid.count[2]; ++z)
     for (int32_t y = 0; y < grid.count[1]; ++y)
       for (int32_t x = 0; x < grid.count[0]; ++x) {
-        const CellFilling filling = filler.fill({x, y, z});
-        if (filling.part == 0.0) continue;
+        const std::optional<CellFilling> filling = filler.fill({x, y, z});
+        if (!filling) continue;
         element_at[grid.at({x, y, z})] = static_cast<int32_t>(mesh.embedding.fillings.size());
-        mesh.embedding.fillings.push_back(filling);
+        mesh.embedding.fillings.push_back(*filling);
         for (const int32_t k : {z, z + 1})
           for (const auto& [i, j] :
                {Index2{x, y}, Index2{x + 1, y}, Index2{x + 1, y + 1}, Index2{x, y + 1}}) {

@@ -9,6 +9,7 @@
 
 #include <stark/base/bucket_sort.h>
 #include <stark/base/error.h>
+#include <stark/geometry/cut_rule.h>
 #include <stark/geometry/embedding.h>
 #include <stark/geometry/topology.h>
 
@@ -32,12 +33,16 @@ double jacobian_determinant(const SolidMesh& mesh, int64_t element, const Vec3& 
   return determinant(jacobian(mesh, element, gradients));
 }
 
+bool is_cut(const SolidMesh& mesh, int64_t element) {
+  return mesh.is_embedded() && !mesh.embedding.fillings[element].is_full();
+}
+
 /// Filled volume of a hexahedron.
 double filled_volume(const SolidMesh& mesh, int64_t element) {
   double volume = 0.0;
   for (const QuadraturePoint& p : reference_element(mesh.type).quadrature)
     volume += p.weight * jacobian_determinant(mesh, element, p.position);
-  return volume * mesh.embedding.fillings[element].part;
+  return volume * mesh.embedding.fillings[element].part();
 }
 
 }  // namespace
@@ -84,15 +89,16 @@ double smallest_jacobian(const SolidMesh& mesh, int64_t element) {
   return smallest;
 }
 
-void quadrature_volumes(const SolidMesh& mesh, int64_t element, std::span<double> out) {
-  const std::vector<QuadraturePoint>& rule = reference_element(mesh.type).quadrature;
-  if (mesh.is_embedded() && mesh.embedding.fillings[element].part < 1.0) {
+std::vector<QuadraturePoint> quadrature_rule(const SolidMesh& mesh, int64_t element) {
+  if (is_cut(mesh, element)) {
+    std::vector<QuadraturePoint> rule = cut_rule(mesh.type, mesh.embedding.fillings[element]);
     const double volume = filled_volume(mesh, element);
-    for (size_t q = 0; q < rule.size(); ++q) out[q] = rule[q].weight * volume;
-    return;
+    for (QuadraturePoint& q : rule) q.weight *= volume;
+    return rule;
   }
-  for (size_t q = 0; q < rule.size(); ++q)
-    out[q] = rule[q].weight * jacobian_determinant(mesh, element, rule[q].position);
+  std::vector<QuadraturePoint> rule = reference_element(mesh.type).quadrature;
+  for (QuadraturePoint& q : rule) q.weight *= jacobian_determinant(mesh, element, q.position);
+  return rule;
 }
 
 std::vector<double> compute_element_volumes(const SolidMesh& mesh) {
@@ -113,7 +119,7 @@ void lump_volume(const SolidMesh& mesh, int64_t element, std::span<double> out) 
     std::fill(out.begin(), out.end(), jacobian_determinant(mesh, element, {}) / 24.0);
     return;
   }
-  if (mesh.is_embedded() && mesh.embedding.fillings[element].part < 1.0) {
+  if (is_cut(mesh, element)) {
     filled_rule(reference_element(mesh.type).nodes, mesh.embedding.fillings[element], out);
     const double volume = filled_volume(mesh, element);
     for (int a = 0; a < nodes; ++a) out[a] *= volume;

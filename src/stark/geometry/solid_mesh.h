@@ -2,6 +2,7 @@
 // and conversions. Used while a scene or model is built.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -9,12 +10,25 @@
 
 namespace stark {
 
-/// What of a hexahedron is filled, in its reference coordinates: a part of its volume, and the means of the
-/// coordinates and of their squares over that part. [theory eq. 10m]
+/// What of a hexahedron is filled, in its reference coordinates x, y, z in [0, 1]: integrals of x^i y^j z^k,
+/// i, j, k <= 2, over that part, over the volume of the cell. The first one is the part that is filled.
+/// [theory eq. 10m]
 struct CellFilling {
-  double part = 1.0;  ///< of the volume of the cell, in (0, 1]
-  Vec3 mean{0.5, 0.5, 0.5};
-  Vec3 mean_square{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
+  std::array<double, 27> moments = of_full_cell();  ///< of x^i y^j z^k at i + 3 j + 9 k
+
+  double part() const { return moments[0]; }
+  bool is_full() const { return part() >= 1.0; }
+  /// Over what is filled, of the coordinates and of their squares.
+  Vec3 mean() const { return Vec3{moments[1], moments[3], moments[9]} / part(); }
+  Vec3 mean_square() const { return Vec3{moments[2], moments[6], moments[18]} / part(); }
+
+  static constexpr std::array<double, 27> of_full_cell() {
+    std::array<double, 27> full{};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) full[i + 3 * j + 9 * k] = 1.0 / ((i + 1) * (j + 1) * (k + 1));
+    return full;
+  }
 };
 
 /// A surface that elements carry along: the last vertices of a mesh, each at its rest position in an
@@ -61,9 +75,9 @@ Vec3 rest_position(const SolidMesh& mesh, int64_t element, const Vec3& position)
 /// computed with where it is positive.
 double smallest_jacobian(const SolidMesh& mesh, int64_t element);
 
-/// Volumes that the quadrature points of an element stand for [m^3]; of elements that are filled in part the
-/// points are elsewhere, see quadrature_positions(). [theory eq. 10m]
-void quadrature_volumes(const SolidMesh& mesh, int64_t element, std::span<double> out);
+/// Quadrature points of an element in reference coordinates, and the volumes that they stand for [m^3]; of
+/// elements that are filled in part those of cut_rule().
+std::vector<QuadraturePoint> quadrature_rule(const SolidMesh& mesh, int64_t element);
 
 /// Volume of each element [m^3], of what is filled of it.
 std::vector<double> compute_element_volumes(const SolidMesh& mesh);

@@ -222,16 +222,17 @@ void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEn
                             {compile(volume_ratio()), points, mean_dilatation_modes(mesh.type)});
   batch.resize(stencils);
   std::vector<Vec3> gradients(rule.size() * nodes);
-  std::vector<double> weights(rule.size());
+  std::vector<double> volumes(rule.size());
   std::vector<Vec3> positions(rule.size());
   for (int64_t e = 0; e < mesh.element_count(); ++e) {
-    const std::vector<Vec3> places = quadrature_positions(mesh, e);
+    const std::vector<QuadraturePoint> of_element = quadrature_rule(mesh, e);
     for (size_t q = 0; q < rule.size(); ++q) {
-      rest_gradients(mesh, e, places[q], std::span(gradients).subspan(q * nodes, nodes));
-      positions[q] = rest_position(mesh, e, places[q]);
+      const Vec3& place = of_element[q].position;
+      rest_gradients(mesh, e, place, std::span(gradients).subspan(q * nodes, nodes));
+      positions[q] = rest_position(mesh, e, place);
+      volumes[q] = of_element[q].weight;
     }
-    quadrature_volumes(mesh, e, weights);
-    batch.set_geometry(e, gradients, weights, positions);
+    batch.set_geometry(e, gradients, volumes, positions);
   }
   batch.set_values(elastic.values);
   energies.quadrature.push_back({body, std::move(batch)});

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include <stark/base/error.h>
+#include <stark/geometry/cut_rule.h>
 #include <stark/geometry/edge_directions.h>
 #include <stark/geometry/embedding.h>
 #include <stark/geometry/polyline.h>
@@ -242,10 +243,10 @@ void check_embedding(std::string_view owner, const SolidMesh& mesh) {
       fail_mesh(owner, "element " + std::to_string(k / mesh.node_count()) + " refers to vertex " +
                            std::to_string(mesh.elements[k]) + ", which is embedded: must refer to nodes");
   for (size_t e = 0; e < embedding.fillings.size(); ++e)
-    if (const CellFilling& f = embedding.fillings[e];
-        !(f.part > 0.0 && f.part <= 1.0) || !is_finite(f.mean) || !is_finite(f.mean_square))
-      fail_mesh(owner, "element " + std::to_string(e) + " is filled by a part of " + to_text(f.part) +
-                           ": must be in (0, 1], with finite means");
+    if (const CellFilling& f = embedding.fillings[e]; !is_of_a_cell(f))
+      fail_mesh(owner, "element " + std::to_string(e) + " is filled by a part of " + to_text(f.part()) +
+                           ", with a mean position of " + text(f.mean()) +
+                           ": must be in (0, 1], with moments of a part of the cell; use stark.mesh.lattice");
   TriangleMesh surface{mesh.vertices, embedding.triangles};
   check_triangles(owner, surface, kThinnestRigidTriangle);
   std::vector<char> used(embedding.elements.size(), 0);

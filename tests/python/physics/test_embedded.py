@@ -58,6 +58,25 @@ def test_affine_motion_of_cut_cells_strains_all_evenly(order: int) -> None:
     assert sim.step().energy["elastic"] == pytest.approx(energy, rel=1e-9)
 
 
+@pytest.mark.parametrize(("order", "cells", "mean", "single"), [(1, 6, 0.003, 0.1), (2, 3, 0.012, 0.2)])
+def test_pressure_swells_cut_cells_evenly(order: int, cells: int, mean: float, single: float) -> None:
+    """Of a ball by p / 3 K in all directions, K the bulk modulus; the surface is a polyhedron and what is
+    inside comes from samples."""
+    modulus, nu, pressure = 1e5, 0.3, 100.0
+    mesh = lattice(stark.mesh.sphere(0.1, 4), cells=cells, order=order, split=False)
+    scene = stark.Scene()
+    body = scene.add_solid(mesh, stark.SolidMaterial(youngs_modulus=modulus, poissons_ratio=nu, density=1e3))
+    scene.add_pressure(body, pressure)
+    sim = stark.Simulation(scene, gravity=(0.0, 0.0, 0.0), **STATIC)
+    assert not sim.step().failed
+    rest = mesh.vertices[mesh.node_count :]
+    moved = body.surface_positions - rest
+    moved -= moved.mean(axis=0)
+    swelling = (moved * rest).sum(axis=1) / (rest**2).sum(axis=1) / (pressure * (1.0 - 2.0 * nu) / modulus)
+    assert swelling.mean() == pytest.approx(1.0, abs=mean)
+    assert np.abs(swelling - 1.0).max() < single
+
+
 def beam_tip(cell: float, order: int) -> float:
     """Tip of a cantilever of 1 x 0.1 x 0.1 m whose section is turned against the lattice, over that of a beam
     that bends and shears."""
