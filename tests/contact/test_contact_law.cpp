@@ -142,6 +142,30 @@ TEST_CASE(
   CHECK(sheets.law.end_step(again, forces, 1.0).bodies.empty());
 }
 
+TEST_CASE("a layer that an impact has spent is raised to what is asked of it as it is left") {
+  Sheets sheets({{100.0}, {100.0}});
+  const int64_t code = group_code(0, 1);
+  constexpr double kLeft = 1e-3;
+  const auto stiffness = [&](const LoadMemory& memory) {
+    std::vector<Contact> contacts{sheets.middle(0.004)};
+    sheets.law.begin_step(
+        memory,
+        {{code, {kLeft, gap_vector(contacts[0], sheets.builder.x) * side_of_first(contacts[0], code)}}});
+    sheets.law.assign(sheets.builder.surface, sheets.builder.x, sheets.pool, contacts);
+    return contacts;
+  };
+  const std::vector<Contact> spent = stiffness({});
+  const std::vector<Vec3> forces{{0, 0, 500.0 * spent[0].stiffness * spent[0].contact_distance}};
+  // A load that lasts counts by what the layer is once it has recovered.
+  CHECK(sheets.law.end_step(spent, forces, 100.0).find(code) == 1.0);
+  // What it stores as it is left is a thousandth of what it stored before.
+  const auto most = sheets.law.highest_factors(spent, {0.1}, {});
+  CHECK(most.at(code) == doctest::Approx(1e3 / kLeft));
+  const LoadMemory raised = sheets.law.raised(spent, forces, most);
+  CHECK(raised.find(code) > 30.0);
+  CHECK(stiffness(raised)[0].stiffness == doctest::Approx(raised.find(code) * spent[0].stiffness));
+}
+
 TEST_CASE("raised contact stores no more than a thousand times what all contact did before the step") {
   Sheets sheets({{100.0}, {100.0}});
   const int64_t code = group_code(0, 1);

@@ -123,13 +123,14 @@ void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, Thread
 }
 
 std::map<int64_t, double> ContactLaw::wanted(const std::vector<Contact>& contacts,
-                                             std::span<const Vec3> forces) const {
+                                             std::span<const Vec3> forces, bool as_left) const {
   std::map<int64_t, double> wanted;
   for (const int64_t bodies : memory_.bodies) wanted[bodies] = 0.0;
   const double loaded = slope(kLoadedGap);
   for (size_t c = 0; c < contacts.size(); ++c) {
     if (!(contacts[c].stiffness > 0.0)) continue;
-    const double natural = contacts[c].stiffness / (memory_.find(code_of(contacts[c])) * left(contacts[c]));
+    const double part = as_left ? 1.0 : left(contacts[c]);
+    const double natural = contacts[c].stiffness / (memory_.find(code_of(contacts[c])) * part);
     double& largest = wanted[code_of(contacts[c])];
     largest = std::max(largest, norm(forces[c]) / (loaded * contacts[c].contact_distance * natural));
   }
@@ -140,7 +141,7 @@ LoadMemory ContactLaw::end_step(const std::vector<Contact>& contacts, std::span<
                                 double duration) const {
   LoadMemory memory;
   const auto count = static_cast<int64_t>(bodies_.size());
-  for (const auto& [bodies, asked] : wanted(contacts, forces)) {
+  for (const auto& [bodies, asked] : wanted(contacts, forces, false)) {
     const int64_t a = bodies >> 32, b = bodies & 0xffffffff;
     const bool exists = a >= 0 && a < count && b < count;  // states may name any
     if (exists && !is_given(static_cast<int32_t>(a), static_cast<int32_t>(b)))
@@ -158,7 +159,7 @@ std::map<int64_t, double> ContactLaw::highest_factors(const std::vector<Contact>
     const int64_t code = code_of(contacts[c]);
     const double energy = energies[c] / memory_.find(code);
     each[code] += energy;
-    total += energy * before.find(code);
+    total += energy / left(contacts[c]) * before.find(code);
   }
   std::map<int64_t, double> highest;
   for (const auto& [code, energy] : each)
@@ -169,7 +170,7 @@ std::map<int64_t, double> ContactLaw::highest_factors(const std::vector<Contact>
 LoadMemory ContactLaw::raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                               const std::map<int64_t, double>& most) const {
   LoadMemory memory;
-  for (const auto& [bodies, asked] : wanted(contacts, forces)) {
+  for (const auto& [bodies, asked] : wanted(contacts, forces, true)) {
     const auto bound = most.find(bodies);
     const double now = memory_.find(bodies), end = bound == most.end() ? kHighest : bound->second;
     const double highest = std::max(now, std::min({kRaise * now, kHighest, end}));

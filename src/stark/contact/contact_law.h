@@ -77,8 +77,10 @@ class ContactLaw {
                                             const LoadMemory& before) const;
 
  private:
-  /// Largest factor that the loads ask for, by bodies: of those in contact, 0 for others that have one.
-  std::map<int64_t, double> wanted(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
+  /// Largest factor that the loads ask for, by bodies: of those in contact, 0 for others that have one. Of a
+  /// layer that an impact has spent as it is left, or as it was.
+  std::map<int64_t, double> wanted(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                                   bool as_left) const;
   /// Part of its stiffness that an impact has left a contact.
   double left(const Contact& contact) const;
   /// Decides it for the rest of the step, by the directions in which a vertex meets a body first, or two

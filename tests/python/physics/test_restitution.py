@@ -243,3 +243,29 @@ def test_forces_that_are_shown_are_those_that_act_where_the_wall_turns_round(lat
         assert box.contact_force == pytest.approx(acting, abs=1e-3)
         before = box.mass * box.velocity
     assert has_hit
+
+
+def test_a_ball_breaks_a_rack_of_touching_balls() -> None:
+    """Layers between balls of the rack that had passed an impact on were spent, and too soft to pass on what
+    it gave back, in attempts of any length: the step failed."""
+    radius, gap, speed, distance = 0.0286, 1e-5, 8.0, 1e-5
+    scene = stark.Scene()
+    scene.default_friction = 0.0
+    floor = scene.add_floor(4.0)
+    balls = []
+    places = [(r * np.sqrt(0.75), k - r / 2) for r in range(3) for k in range(r + 1)]
+    for x, y in np.array(places) * (2 * radius + gap):
+        place = (x, y, radius + distance)
+        balls.append(scene.add_sphere(radius, subdivisions=2, mass=0.17, position=place))
+    cue = {"position": (-0.1, 0.003, radius + distance), "velocity": (speed, 0, 0)}
+    balls.append(scene.add_sphere(radius, subdivisions=2, mass=0.17, **cue))
+    for k, ball in enumerate(balls):
+        scene.restitution[ball, floor] = 0.5
+        for other in balls[:k]:
+            scene.restitution[ball, other] = 0.95
+    sim = stark.Simulation(scene, time_step=2e-3, contact_distance=distance)
+    for report in sim.run(until=0.02):
+        velocities = np.array([ball.velocity for ball in balls])
+        assert velocities[:, :2].sum(axis=0) == pytest.approx([speed, 0.0], abs=1e-8)
+        assert report.energy["kinetic"] < 0.5 * 0.17 * speed**2 * 1.001
+    assert report.energy["kinetic"] > 0.7 * 0.5 * 0.17 * speed**2
