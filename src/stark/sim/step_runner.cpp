@@ -136,6 +136,7 @@ void StepRunner::begin() {
   timer_.reset();
   attempts_.clear();
   repeats_ = 0;
+  goes_deep_ = false;
   energy_at_fault_.clear();
   load_ = load_of(state_);
   watch_.begin_step();
@@ -153,6 +154,7 @@ std::optional<double> StepRunner::next_attempt(double h) {
   }
   if (energy_at_fault_.empty() && is_stuck(status)) energy_at_fault_ = find_energy_at_fault(h);
   if (!energy_at_fault_.empty()) report_.message = energy_at_fault_;
+  if (goes_deep_ = may_go_deep(status); goes_deep_) return h;
   ++report_.rejected_steps;
   const bool is_last = is_shortest(h);
   if (contact_ && is_stuck(status) && (is_last || report_.rejected_steps >= kAttemptsBeforeRaise)) {
@@ -168,6 +170,13 @@ std::optional<double> StepRunner::next_attempt(double h) {
   report_.time_step = h;
   fail();
   return {};
+}
+
+// A strong motor pushes with all it has until a body moves: on the way to a solution it may press it to the
+// least distance, a wall that the energy does not know. Stiffer contact would throw off what nothing presses.
+bool StepRunner::may_go_deep(SolveStatus status) const {
+  return contact_ && !goes_deep_ && !moves_prescribed_ && !model_.actuators().empty() && is_stuck(status) &&
+         report_.rejected_steps < kAttemptsBeforeRaise;
 }
 
 void StepRunner::set_deadline() {
@@ -236,10 +245,15 @@ void StepRunner::add_caveat(Caveat caveat, const std::string& text) {
   report_.message += (report_.message.empty() ? "" : "; ") + text;
 }
 
+bool StepRunner::is_below_least_distance() const {
+  const Nearness near = contact_->nearness(potential_.site_positions());
+  return near.nearest < (1.0 - kUnseen) * near.least;
+}
+
 void StepRunner::report_nearness() {
   const Nearness near = contact_->nearness(potential_.site_positions());
   report_.min_distance = near.distance;
-  if (!(near.nearest < (1.0 - kUnseen) * near.least)) return;
+  if (!is_below_least_distance()) return;
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
   add_caveat(Caveat::BelowLeastDistance,
              name(near.group_a) + " and " + (near.group_a == near.group_b ? "itself" : name(near.group_b)) +
@@ -314,8 +328,9 @@ bool StepRunner::attempt(double h, SolveReport& total) {
     // Contact stiffened with a body in it throws the body back faster than it came. Where nothing drives the
     // bodies, an impact may go as deep as its energy brings it, unless an attempt has shown that this leads
     // nowhere.
-    contact_->set_bound(report_.rejected_steps > 0 || potential_.has_pending_motion() ||
-                        !model_.actuators().empty());
+    moves_prescribed_ = potential_.has_pending_motion();
+    const bool is_bound = report_.rejected_steps > 0 || moves_prescribed_ || !model_.actuators().empty();
+    contact_->set_bound(is_bound && !goes_deep_);
     contact_->begin_step(potential_.site_positions(),
                          {.positions = motion_.reference().friction_sites,
                           .duration = motion_.reference().friction_duration,
@@ -339,6 +354,8 @@ bool StepRunner::attempt(double h, SolveReport& total) {
   SolveReport solved = minimize(h, guess, total);
   newton_.set_way_check({});
   if (is_success(solved.status) && way_.leads_through_something(start)) solved.status = SolveStatus::Detour;
+  if (is_success(solved.status) && goes_deep_ && is_below_least_distance())
+    solved.status = SolveStatus::LineSearchFailed;
   if (is_success(solved.status)) {
     // Energies may be finite where flow is not, as of metal that is drawn out a hundredfold.
     remembered_ = updated_internal(energies_, potential_.site_positions());

@@ -47,6 +47,8 @@ class StepRunner : private StepPart {
   void predict(double h, const Configuration& start, bool hits_stop);
   /// Length of the attempt that follows one of length h that failed, if any; else ends the step.
   std::optional<double> next_attempt(double h);
+  bool may_go_deep(SolveStatus status) const;
+  bool is_below_least_distance() const;
   void set_deadline();
   /// Diagonal blocks of inertia and elasticity at the start of a step: what joints are measured against.
   std::vector<Mat3> natural_stiffness(const Configuration& start);
@@ -90,6 +92,8 @@ class StepRunner : private StepPart {
   std::vector<Attempt> attempts_;    ///< of the step under way
   bool is_same_if_shorter_ = false;  ///< a step without inertia in which nothing prescribed moves
   int repeats_ = 0;                  ///< of its shortest attempt
+  bool moves_prescribed_ = false;    ///< prescribed parts move in its last attempt
+  bool goes_deep_ = false;           ///< its last attempt may press below the least distance on the way
   std::string energy_at_fault_;      ///< what is said of it; empty without one
   LoadMemory load_;                  ///< of its barriers: that of the state, more after attempts that failed
   EnergyLedger energies_before_;     ///< stored at the start of the last attempt
