@@ -175,7 +175,7 @@ std::optional<double> StepRunner::next_attempt(double h) {
 // A strong motor pushes with all it has until a body moves: on the way to a solution it may press it to the
 // least distance, a wall that the energy does not know. Stiffer contact would throw off what nothing presses.
 bool StepRunner::may_go_deep(SolveStatus status) const {
-  return contact_ && !goes_deep_ && !moves_prescribed_ && !model_.actuators().empty() && is_stuck(status) &&
+  return contact_ && !goes_deep_ && !model_.actuators().empty() && is_stuck(status) &&
          report_.rejected_steps < kAttemptsBeforeRaise;
 }
 
@@ -328,9 +328,8 @@ bool StepRunner::attempt(double h, SolveReport& total) {
     // Contact stiffened with a body in it throws the body back faster than it came. Where nothing drives the
     // bodies, an impact may go as deep as its energy brings it, unless an attempt has shown that this leads
     // nowhere.
-    moves_prescribed_ = potential_.has_pending_motion();
-    const bool is_bound = report_.rejected_steps > 0 || moves_prescribed_ || !model_.actuators().empty();
-    contact_->set_bound(is_bound && !goes_deep_);
+    const bool is_driven = potential_.has_pending_motion() || !model_.actuators().empty();
+    contact_->set_bound(!goes_deep_ && (report_.rejected_steps > 0 || is_driven));
     contact_->begin_step(potential_.site_positions(),
                          {.positions = motion_.reference().friction_sites,
                           .duration = motion_.reference().friction_duration,

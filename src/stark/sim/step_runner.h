@@ -92,7 +92,6 @@ class StepRunner : private StepPart {
   std::vector<Attempt> attempts_;    ///< of the step under way
   bool is_same_if_shorter_ = false;  ///< a step without inertia in which nothing prescribed moves
   int repeats_ = 0;                  ///< of its shortest attempt
-  bool moves_prescribed_ = false;    ///< prescribed parts move in its last attempt
   bool goes_deep_ = false;           ///< its last attempt may press below the least distance on the way
   std::string energy_at_fault_;      ///< what is said of it; empty without one
   LoadMemory load_;                  ///< of its barriers: that of the state, more after attempts that failed
