@@ -72,7 +72,7 @@ KINDS: dict[str, JointKind] = {
         lambda p, A, q, B, values: ([p - q], [A[:, :1].T @ B[:, 1]]),
         {
             "angle_a": lambda p, A, q, B: math.atan2(B[:, 1] @ A[:, 2], B[:, 1] @ A[:, 1]),
-            "angle_b": lambda p, A, q, B: math.atan2(-(A[:, 0] @ B[:, 2]), A[:, 0] @ B[:, 0]),
+            "angle_b": lambda p, A, q, B: math.atan2(A[:, 0] @ B[:, 2], A[:, 0] @ B[:, 0]),
         },
     ),
     "planar": JointKind(

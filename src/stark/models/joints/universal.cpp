@@ -10,7 +10,7 @@ JointDefinition universal() {
                         j.hold(j.a.origin - j.b.origin, ResidualUnit::Length);
                         j.hold(dot(j.a.x, j.b.y), ResidualUnit::Angle);
                         j.coordinate("angle_a", atan2(dot(j.b.y, j.a.z), dot(j.b.y, j.a.y)), "rad");
-                        j.coordinate("angle_b", atan2(dot(j.a.x, j.b.z) * -1.0, dot(j.a.x, j.b.x)), "rad");
+                        j.coordinate("angle_b", atan2(dot(j.a.x, j.b.z), dot(j.a.x, j.b.x)), "rad");
                       });
 }
 

@@ -1,0 +1,72 @@
+"""Coordinates are those of side b against side a, along and about the axes as given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import stark
+
+PLACE, AXIS = np.array([0.1, 0.2, 0.3]), np.array([1.0, 2.0, 2.0]) / 3
+ACROSS = np.array([2.0, 1.0, -2.0]) / 3
+FORWARD, TURN = 0.3, 0.5  # [m/s, rad/s]
+
+Add = Callable[[stark.Scene, stark.RigidBody | None, stark.RigidBody | None], stark.Joint]
+
+# How the joint is added, direction of the motion, whether it turns, and the coordinate.
+KINDS: dict[str, tuple[Add, np.ndarray, bool, str]] = {
+    "hinge": (lambda s, a, b: s.add_hinge(a, b, PLACE, AXIS), AXIS, True, "angle"),
+    "slider": (lambda s, a, b: s.add_slider(a, b, PLACE, AXIS), AXIS, False, "displacement"),
+    "cylindrical": (lambda s, a, b: s.add_cylindrical(a, b, PLACE, AXIS), AXIS, True, "angle"),
+    "screw": (lambda s, a, b: s.add_cylindrical(a, b, PLACE, AXIS), AXIS, False, "displacement"),
+    "planar": (lambda s, a, b: s.add_planar(a, b, PLACE, AXIS), AXIS, True, "angle"),
+    "point": (lambda s, a, b: s.add_point_on_axis(a, b, PLACE, AXIS), AXIS, False, "displacement"),
+    "direction": (
+        lambda s, a, b: s.add_joint("direction", a, b, anchor=PLACE, axis=AXIS),
+        AXIS,
+        True,
+        "angle",
+    ),
+    "universal": (
+        lambda s, a, b: s.add_universal(a, b, PLACE, axis_a=AXIS, axis_b=ACROSS),
+        AXIS,
+        True,
+        "angle_a",
+    ),
+    "cross": (
+        lambda s, a, b: s.add_universal(a, b, PLACE, axis_a=AXIS, axis_b=ACROSS),
+        ACROSS,
+        True,
+        "angle_b",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("moves", ["b", "a"])
+def test_what_moves_along_an_axis_raises_its_coordinate(kind: str, moves: str) -> None:
+    add, axis, turns, coordinate = KINDS[kind]
+    scene = stark.Scene()
+    body = scene.add_box(0.1, mass=1.0, position=PLACE)
+    joint = add(scene, None, body) if moves == "b" else add(scene, body, None)
+    sim = stark.Simulation(scene, time_step=0.01, gravity=(0, 0, 0))
+    if turns:
+        body.angular_velocity = TURN * axis
+    else:
+        body.velocity = FORWARD * axis
+    sim.run_until(0.5)
+    rate = (TURN if turns else FORWARD) * (1 if moves == "b" else -1)
+    assert joint.coordinates[coordinate] == pytest.approx(0.5 * rate, rel=1e-4)
+    assert joint.rates[coordinate] == pytest.approx(rate, rel=1e-4)
+
+
+def test_a_motor_turns_side_b_of_a_universal_joint_about_its_own_axis() -> None:
+    scene = stark.Scene()
+    body = scene.add_box((0.1, 0.02, 0.02), mass=1.0)
+    joint = scene.add_universal(None, body, (0, 0, 0), axis_a=(1, 0, 0), axis_b=(0, 1, 0))
+    joint.add_motor(2.0, cap=5.0, delta=0.01, coordinate="angle_b")
+    sim = stark.Simulation(scene, time_step=0.01, gravity=(0, 0, 0))
+    sim.run_until(0.5)
+    assert body.angular_velocity[1] == pytest.approx(2.0, rel=1e-2)
