@@ -89,15 +89,19 @@ Vec3 Simulation::acceleration(BodyId body, const Vec3& point) const {
   const ModelBody& b = rigid(body, "acceleration");
   if (step_start_.empty()) return {};
   const Vec3 local = transpose(b.axes) * (point - b.centre);
-  const Vec3 before = parts_->motion.reference().body_velocity[b.rigid_index] +
-                      parts_->motion.reference().body_rotation_rate[b.rigid_index] * local;
-  const TimeStencil& stencil = parts_->motion.reference().stencil;
-  const Vec3& by_contact =
-      parts_->motion.reference().contact_velocity[b.rigid_index];  // it acts for the whole step
-  return (state_.body_velocity[b.rigid_index] + parts_->motion.turning_velocity(b.rigid_index, local) -
-          before - by_contact) /
-             stencil.scale +
-         by_contact / (stencil.scale * stencil.contact_weight);
+  const MotionReference& from = parts_->motion.reference();
+  const TimeStencil& stencil = from.stencil;
+  const int32_t i = b.rigid_index;
+  const Vec3 turning = parts_->motion.turning_velocity(i, local);
+  const Vec3& by_contact = from.contact_velocity[i];  // it acts for the whole step
+  const Vec3 lasting = state_.body_velocity[i] - from.body_velocity[i] - by_contact;
+  const Vec3 sudden = by_contact / (stencil.scale * stencil.contact_weight);
+  if (stencil.history == 0.0 || stencil.has_smooth_contact)
+    return (lasting + turning - from.body_rotation_rate[i] * local) / stencil.scale + sudden;
+  // A turn that contact changes within the step has its mean.
+  const Vec3 before =
+      cross(state_.previous_body_angular_velocity[i], state_.previous_body_rotation[i] * local);
+  return lasting / stencil.scale + sudden + (turning - before) / state_.previous_time_step;
 }
 
 }  // namespace stark

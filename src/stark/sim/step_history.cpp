@@ -40,15 +40,18 @@ class Balance {
   double part() const {
     const double net = squared_norm(contact_);
     const double whole = net > kPushed * kPushed * sum_ * sum_ ? dot(left_over_, contact_) / net : 0.0;
-    const double sudden = std::max(whole, left_over_product_ / contact_product_);
-    return std::clamp(1.0 - kSudden * sudden, 0.0, 1.0);
+    const double product = left_over_product_ / contact_product_;
+    const double sudden = kSudden * std::max(whole, product);
+    return std::clamp(1.0 - std::max(sudden, -product - kBegun), 0.0, 1.0);
   }
 
  private:
   static constexpr double kPushed = 0.1;  ///< share of the forces on a body that its parts do not cancel
   static constexpr double kSudden = 2.0;  ///< joints carry their part of an impact, too
-  Vec3 left_over_, contact_;              ///< momenta [kg m/s]
-  double sum_ = 0.0;                      ///< [kg m/s]
+  /// What pushes against contact beyond what it takes, over that: more, and contact has only begun.
+  static constexpr double kBegun = 1.0;
+  Vec3 left_over_, contact_;  ///< momenta [kg m/s]
+  double sum_ = 0.0;          ///< [kg m/s]
   double left_over_product_ = 0.0, contact_product_ = 0.0;
 };
 
