@@ -423,7 +423,7 @@ class Actuator(Handle):
 
     @property
     def enabled(self) -> bool:
-        """Whether it acts; assign it to switch. Actuators of released joints rest."""
+        """Whether it acts; assign it to switch. Raises InvalidArgument for gears and stops that do not hold."""
         return bool(self._core().actuator_enabled(self._index))
 
     @enabled.setter

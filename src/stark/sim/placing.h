@@ -44,6 +44,9 @@ class Placing : private StepPart {
     placed_.energy += energy;
     stored_before_ += energy;
   }
+  /// The worst of some constraints that act, by number, where bodies are now: "actuator 'stop' is off by
+  /// 0.5 rad"; empty where all hold.
+  std::string misfit_text(const std::function<bool(int32_t)>& some);
 
   /// Pose of the body frame of a free rigid body: centre of mass [m], rotation from the principal axes.
   void put_rigid(int32_t body, const Vec3& centre, const Mat3& rotation);

@@ -85,9 +85,9 @@ bool Placing::touches(int32_t constraint, const std::set<int32_t>& bodies) const
   return any(connected_bodies(scene_.attachments()[after - model_.attachments().begin() - 1]));
 }
 
-void Placing::check_constraints(const std::set<int32_t>& moved) {
+std::string Placing::misfit_text(const std::function<bool(int32_t)>& some) {
   ConstraintSet& constraints = energies_.constraints;
-  if (constraints.joint_count() == 0) return;
+  if (constraints.joint_count() == 0) return "";
   const std::vector<Vec3> x = model_.site_positions(state_);
   for (ConstraintGroup& group : constraints.groups()) group.batch.set_previous(x);
   const std::vector<Vec3> start = std::exchange(step_start_, x);
@@ -98,11 +98,15 @@ void Placing::check_constraints(const std::set<int32_t>& moved) {
   joints_.begin_actuators(settings_.time.step);
   state_ = kept;
   step_start_ = start;
-  const std::string text =
-      joints_.violation_text(x, [&](int32_t constraint) { return touches(constraint, moved); });
+  const std::string text = joints_.violation_text(x, some);
   motion_.set_reference(reference);
   if (!reference.sites.empty())
     for (ConstraintGroup& group : constraints.groups()) group.batch.set_previous(reference.sites);
+  return text;
+}
+
+void Placing::check_constraints(const std::set<int32_t>& moved) {
+  const std::string text = misfit_text([&](int32_t constraint) { return touches(constraint, moved); });
   if (text.empty()) return;
   throw InvalidArgument(
       text +

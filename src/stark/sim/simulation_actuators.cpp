@@ -1,6 +1,7 @@
 // Simulation: actuators. Inputs of a step, efforts and memories at its end, live values.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <stark/base/error.h>
 #include <stark/sim/simulation_parts.h>
@@ -99,7 +100,16 @@ void Simulation::set_actuator_enabled(ActuatorId id, bool enabled) {
   const ActuatorDescription& actuator = scene_.actuator(id);
   if (enabled && !has_inertia(settings_.time.integrator))
     require_no_rates(actuator, values_of(state_, model_->actuators()[id.index]));
-  state_.actuator_enabled[id.index] = enabled ? 1.0 : 0.0;
+  const double before = std::exchange(state_.actuator_enabled[id.index], enabled ? 1.0 : 0.0);
+  if (!enabled || before != 0.0 || is_placing()) return;
+  if (model_->actuators()[id.index].law->units().empty()) return;
+  const auto constraint = static_cast<int32_t>(scene_.joints().size()) + id.index;
+  const std::string text = parts_->placing.misfit_text([&](int32_t j) { return j == constraint; });
+  if (text.empty()) return;
+  state_.actuator_enabled[id.index] = before;
+  throw InvalidArgument(text +
+                        " now: must be held to act again, as the next step would throw what it is on there; "
+                        "change its values (offset, lower, upper), or place the bodies first");
 }
 
 bool Simulation::actuator_enabled(ActuatorId id) const {
