@@ -20,7 +20,7 @@ from .folder import STATUSES, RunEntry, StudyError, StudyFolder
 from .local import LocalPool, default_processes
 from .plan import Plan
 from .table import Row
-from .task import Task, settled, tasks
+from .task import Task, entry_options, settled, tasks
 
 #: Called with the runs that are over, all runs, and the work done in runs (parts of those under way count).
 OnProgress = Callable[[int, int, float], None]
@@ -183,7 +183,10 @@ def run(
     given = plan if isinstance(plan, Plan) else Plan.read(plan)
     files, scene_file = StudyFolder(out), load(given.scene)
     made = settled(given, scene_file)
-    entries = [RunEntry(t.key, t.options, t.repetition) for t in tasks(made, files.path, scene_file)]
+    entries = [
+        RunEntry(task.key, entry_options(made, task, scene_file), task.repetition)
+        for task in tasks(made, files.path, scene_file)
+    ]
     files.create(made, entries)
     study = Study(out, scene=made.scene)
     return study.resume(processes=processes, ray=ray, on_progress=on_progress)

@@ -98,6 +98,20 @@ def tasks(plan: Plan, folder: Path, scene_file: SceneFile | None = None) -> list
     return made
 
 
+def entry_options(plan: Plan, task: Task, scene_file: SceneFile) -> dict[str, Value]:
+    """The options of a run in the order of the plan: all that any run of it is given. Those that this run is
+    not given have the values that it takes, the defaults of the scene."""
+    defaults = _defaults(scene_file)
+    named = dict.fromkeys(name for sample in [*plan.samples, task.options] for name in sample)
+    left = {
+        name: option_text(value) if isinstance(value, (list, tuple)) else value
+        for name, value in defaults.items()
+        if name in named and name not in task.options
+    }
+    known = {**_options(scene_file, left), **task.options}
+    return {name: known[name] for name in named}
+
+
 def _refuse_taken(plan: Plan) -> None:
     """The option that takes the number of the repetition must not have values of its own."""
     name = plan.repetition_option

@@ -44,6 +44,20 @@ def rows_of_csv(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+def test_rows_have_the_values_of_options_that_only_other_runs_are_given(tmp_path: Path) -> None:
+    """A base of a study of one option at a time has the default of the option that varies."""
+    sampling = (
+        '[sampling]\nkind = "one_at_a_time"\n[sampling.options]\nlabel = ["a", "b"]\n'
+        "[sampling.variations]\nheight = [2.0]\nsteps = [3]"
+    )
+    study = stark.study.run(write_study(tmp_path, sampling), tmp_path / "out", processes=1)
+    found = [(row["option.label"], row["option.height"], row["option.steps"]) for row in study.rows()]
+    assert found == [(label, *rest) for label in "ab" for rest in ((1.0, 1), (2.0, 1), (1.0, 3))]
+    assert [row["option.height"] for row in rows_of_csv(study.folder)] == ["1.0", "2.0", "1.0"] * 2
+    again = stark.study.resume(study.folder)
+    assert (again.made, again.kept) == (0, 6)
+
+
 def test_a_study_has_a_row_for_each_run(tmp_path: Path) -> None:
     plan = write_study(tmp_path, grid(height=[1.0, 2.0, 3.0], label='["a", "b"]'))
     told: list[tuple[int, int, float]] = []
