@@ -8,6 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stark._core import InvalidArgument
 from stark.handle import SceneLink, SimulationLink
 from stark.motion import Motion, as_motion
@@ -64,6 +67,20 @@ def at_start(value: Any, owner: str) -> Any:
 def starts(values: Mapping[str, Any], owner: str) -> dict[str, Any]:
     """The same of values by name."""
     return {name: at_start(value, f"{owner}: {name}") for name, value in values.items()}
+
+
+def refuse_lost_change(owner: str, name: str, array: NDArray[Any], written: NDArray[Any]) -> None:
+    """Raises InvalidArgument where an array that follows a function has been changed in place since the
+    function, or an assignment, wrote it: the coming step would replace the change without a word."""
+    if array.tobytes() == written.tobytes():
+        return
+    place = tuple(int(k) for k in np.argwhere(array != written)[0])
+    where = f"[{', '.join(map(str, place))}]" if place else ""
+    raise InvalidArgument(
+        f"{owner}: {name}{where} = {array[place]:g} was changed in place, but follows a function of time, "
+        f"whose next value would replace the change: must be left to the function, or assigned as a whole, "
+        f"which ends the function: handle.{name} = array"
+    )
 
 
 def set_courses(kind: str, handle: Valued, values: Mapping[str, Any]) -> None:

@@ -136,3 +136,44 @@ def test_a_progress_callback_is_refused_the_same(act: str, monkeypatch: pytest.M
         sim.step(progress=lambda p: ACTS[act][1](sim))
     sim.step(), alone.step()
     assert sim.state == alone.state
+
+
+def live_arrays() -> tuple[stark.Simulation, dict[str, Any]]:
+    """An energy and a body with an array each that follows a function of time."""
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, 2), pins=[0], name="sheet")
+    cloth.growth = lambda t: 1.0 + 0.01 * t
+    push = scene.add_force(cloth.vertices[8], (0.0, 0.0, 0.0))
+    push.force = lambda t: (t, 0.0, 0.0)
+    return stark.Simulation(scene, time_step=0.01), {"force": push, "growth": cloth}
+
+
+@pytest.mark.parametrize("name", ["force", "growth"])
+def test_a_change_in_place_of_what_follows_a_function_is_refused(name: str) -> None:
+    """The next value of the function would replace it without a word; before the first step, too."""
+    sim, handles = live_arrays()
+    handle = handles[name]
+    for _ in range(2):
+        array = getattr(handle, name)
+        array[1] = 1.5
+        with pytest.raises(stark.InvalidArgument, match=rf"{name}\[1\] = 1.5 was changed in place") as told:
+            sim.step()
+        assert f"handle.{name} = array" in str(told.value)
+        kept = array.copy()
+        setattr(handle, name, array)  # the remedy: it ends the function
+        assert not sim.step().failed and np.array_equal(array, kept)
+        setattr(handle, name, lambda t, start=kept: start * (1.0 - t))
+        assert not sim.step().failed and np.allclose(array, kept * (1.0 - sim.time), rtol=1e-12)
+
+
+def test_what_is_loaded_is_no_change_in_place(tmp_path: Path) -> None:
+    sim, handles = live_arrays()
+    for name, handle in handles.items():
+        getattr(handle, name)  # handed out
+    sim.run_until(0.02)
+    sim.save(tmp_path / "early.stark")
+    sim.run_until(0.05)
+    sim.load(tmp_path / "early.stark")
+    sim.run_until(0.03)
+    assert handles["force"].force[0] == pytest.approx(0.03, rel=1e-12)
+    assert handles["growth"].growth[0] == pytest.approx(1.0003, rel=1e-12)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import real_array
 from stark.caller import warn
-from stark.courses import at_start, set_courses
+from stark.courses import at_start, refuse_lost_change, set_courses
 from stark.handle import BodyHandle, SimulationLink
 from stark.scene_record import Call
 
@@ -24,11 +24,17 @@ Floats = NDArray[np.float64]
 class Value:
     """Numbers of a field, an entry for each element."""
 
-    __slots__ = ("array", "given")
+    __slots__ = ("array", "given", "written")
 
     def __init__(self, array: Floats) -> None:
         self.array: Floats = array.copy()  #: may be changed in place
+        self.written: Floats = array.copy()  #: what was last written to it
         self.given: Floats = array.copy()  #: what the scene of the core has, with which simulations start
+
+    def write(self, array: Floats) -> None:
+        """In place: arrays that were handed out stay live."""
+        self.array[...] = array
+        self.written[...] = array
 
 
 def _tensors(array: Floats) -> Floats:
@@ -97,6 +103,8 @@ class RestState(BodyHandle):
         set_courses("body", self, {name: given})
 
     def _follow(self, simulation: SimulationLink, name: str, value: Any) -> None:
+        known = self._rest_values[name]
+        refuse_lost_change(f"'{self.name}'", name, known.array, known.written)
         self._write_rest_value(name, value)
 
     def _write_rest_value(self, name: str, given: ArrayLike) -> None:
@@ -122,7 +130,7 @@ class RestState(BodyHandle):
             self._scene._warn_of_simulation(self, name, f"assign {name} once")
             return
         core.check_rest_state(self._index, numbers)
-        known.array[...] = array  # in place: arrays that were handed out stay live
+        known.write(array)
 
     def _rest_numbers(self, name: str, array: Floats) -> Floats:
         """As the core takes them."""
@@ -216,4 +224,4 @@ class LiveRestState:
     def assign(self, given: Mapping[str, Floats]) -> None:
         """Makes these the values of the body, for every simulation of its scene."""
         for name, array in given.items():
-            self.body._rest_values[name].array[...] = array
+            self.body._rest_values[name].write(array)

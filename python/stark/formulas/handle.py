@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.courses import at_start, set_courses
+from stark.courses import at_start, refuse_lost_change, set_courses
 from stark.formulas.binding import BoundEnergy
 from stark.formulas.checks import check
 from stark.formulas.inspection import benchmark
@@ -115,8 +115,7 @@ class Energy(Handle):
         value = self._binding.values[name]
         if value.array.ndim == 0:
             return float(value.array)
-        value.exposed = True  # may be changed in place from now on
-        return value.array
+        return value.expose()
 
     def _write(self, name: str, given: Any) -> None:
         owner, parameter, value = f"energy '{self.name}'", self._parameter(name), self._binding.values[name]
@@ -132,8 +131,7 @@ class Energy(Handle):
                 + " to change that"
             )
         check_range(owner, parameter, array, value.per_element)
-        value.array[...] = array  # in place: arrays that were handed out stay live
-        value.version += 1
+        value.write(array)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):  # asked for while a copy has no attributes yet
@@ -155,6 +153,9 @@ class Energy(Handle):
         set_courses("energy", self, {name: given})
 
     def _follow(self, simulation: SimulationLink, name: str, value: Any) -> None:
+        known = self._binding.values[name]
+        if known.written is not None:
+            refuse_lost_change(f"energy '{self.name}'", name, known.array, known.written)
         self._write(name, value)
 
     def __dir__(self) -> list[str]:
@@ -231,8 +232,7 @@ class LiveValues:
         for name, array in given.items():
             value = self.energy._binding.values[name]
             if value.array.tobytes() != array.tobytes():
-                value.array[...] = array  # in place: arrays that were handed out stay live
-                value.version += 1
+                value.write(array)
 
     def pushed(self) -> dict[str, Floats]:
         """The values that the last step took."""

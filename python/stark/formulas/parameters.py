@@ -117,13 +117,27 @@ class Value:
     """Value of a parameter: one of the parameter's shape for all elements, or one more leading dimension with
     a row for each element."""
 
-    __slots__ = ("array", "exposed", "per_element", "version")
+    __slots__ = ("array", "exposed", "per_element", "version", "written")
 
     def __init__(self, array: Array, per_element: bool) -> None:
         self.array: Array = array
         self.per_element: bool = per_element
         self.version: int = 0  # counts assignments
         self.exposed: bool = False  # whether someone may change the array in place
+        self.written: Array | None = None  # of an exposed array: what was last written to it
+
+    def expose(self) -> Array:
+        """The array, which may be changed in place from now on."""
+        if not self.exposed:
+            self.exposed, self.written = True, self.array.copy()
+        return self.array
+
+    def write(self, array: Array) -> None:
+        """In place: arrays that were handed out stay live."""
+        self.array[...] = array
+        self.version += 1
+        if self.exposed:
+            self.written = self.array.copy()
 
     @property
     def numbers(self) -> Array:
