@@ -202,15 +202,16 @@ def body_stress(body: Any) -> tuple[Deformation, np.ndarray]:
     if stress_follows_from_strain(material, row_of(body).is_sheet):
         elastic = deformation._replace(gradients=beyond_rest(body, deformation.gradients))
         cauchy = cauchy_stress(material, elastic, body.name)
+        if body.active_stress.any():
+            cauchy = cauchy + _active_stress(body, deformation.gradients)
     else:
         cauchy = _mean_stress(body, material)
-    if body.active_stress.any():
-        cauchy = cauchy + _active_stress(body, deformation.gradients)
     return deformation, cauchy
 
 
 def _mean_stress(body: Any, material: Any) -> np.ndarray:
-    """Of elements (m, 1, 3, 3), from their forces, which know what it remembers. [theory eq. 10r]"""
+    """Of elements (m, 1, 3, 3), from their forces, which know what it remembers, and have the active stress.
+    [theory eq. 10r]"""
     stress = np.array(body._require_simulation("stress")._core.mean_stresses(body._index)).reshape(-1, 3, 3)
     if row_of(body).is_sheet:
         stress = stress / np.asarray(material.thickness, dtype=np.float64).reshape(-1, 1, 1)

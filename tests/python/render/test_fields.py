@@ -122,6 +122,31 @@ def test_a_muscle_that_is_held_has_its_active_stress(kind: str) -> None:
     assert stress == pytest.approx(np.full(len(stress), 1e4), rel=1e-6)
 
 
+@pytest.mark.parametrize("kind", ["metal", "foil", "foam"])
+def test_a_muscle_of_what_remembers_has_its_active_stress_once(kind: str) -> None:
+    """Such stresses come from the forces of elements, which have the active part already."""
+    scene = stark.Scene()
+    sheet, block = (
+        stark.mesh.grid(0.1, 0.02, cells=(5, 1)),
+        stark.mesh.box_hexahedra((0.1, 0.02, 0.02), (5, 1, 1)),
+    )
+    if kind == "foil":
+        foil = stark.ShellMaterial(density=0.1, thickness=1e-3, youngs_modulus=1e6, yield_stress=1e5)
+        body = scene.add_cloth(sheet, foil, pins=range(len(sheet.vertices)))
+    else:
+        metal = stark.j2_plasticity(shear_modulus=4e5, bulk_modulus=1e6, yield_stress=1e5, density=1000.0)
+        foam = stark.generalized_maxwell(
+            shear_modulus=4e5, bulk_modulus=1e6, moduli=[1e5], times=[0.1], density=1000.0
+        )
+        body = scene.add_solid(block, metal if kind == "metal" else foam, pins=range(len(block.vertices)))
+    body.fiber_direction, body.active_stress = (1.0, 0.0, 0.0), 1e4
+    sim = stark.Simulation(scene, gravity=(0, 0, 0), **STATIC)
+    assert not sim.step().failed
+    assert field_values(sim, "stress")[body.name] == pytest.approx(
+        np.full(len(body.positions), 1e4), rel=1e-6
+    )
+
+
 def test_rods_that_yield_have_no_stress_of_elastic_ones() -> None:
     scene = stark.Scene()
     wire = stark.materials.steel_wire.replace(yield_stress=1e9)
