@@ -14,6 +14,7 @@ from stark.bodies.deformable import DeformableBody
 from stark.bodies.fibre_paths import paths_from
 from stark.bodies.layers import Fibres, Layer, Skin
 from stark.bodies.rest_state import ActiveFibres
+from stark.caller import warn
 from stark.materials import RodMaterial, ShellMaterial, steel_wire
 from stark.mesh import Indices
 from stark.readings import named_readings, reading
@@ -135,6 +136,13 @@ def _owner(kind: str, body: Body, name: Any, material: Any, wanted: type[Any], e
     if not isinstance(material, wanted):
         raise InvalidArgument(
             f"{owner}: material = {material!r}: must be a stark.{wanted.__name__}, for instance {example}"
+        )
+    if np.any(material.thermal_expansion):
+        shown = float(np.max(np.abs(material.thermal_expansion)))
+        warn(
+            f"{owner}: thermal_expansion = {shown:g} 1/K of its material changes nothing: layers have no "
+            f"temperature and do not grow, they are at rest in the size of the mesh and hold back what does; "
+            f"for a strip of two metals give the elements of one solid two expansions"
         )
     return owner
 

@@ -19,6 +19,15 @@ def sheet(**options: object) -> tuple[stark.Scene, stark.Cloth]:
     return scene, scene.add_cloth(stark.mesh.grid(0.3, 0.3, cells=3), name="sheet", **options)
 
 
+def test_a_layer_whose_material_expands_with_heat_is_warned_of() -> None:
+    """It has no temperature, and would hold back the body that has one without a word."""
+    _, cloth = sheet()
+    with pytest.warns(stark.StarkWarning, match="skin of 'sheet': thermal_expansion = 0.0001 1/K .* nothing"):
+        cloth.add_skin(stark.materials.pet.replace(thermal_expansion=1e-4))
+    with pytest.warns(stark.StarkWarning, match="fibres 'cords' of 'sheet': thermal_expansion = 0.001 1/K"):
+        cloth.add_fibres(CORD.replace(thermal_expansion=-1e-3), paths=[0, 1, 2], name="cords")
+
+
 def test_handles_say_what_the_layer_is() -> None:
     scene, cloth = sheet()
     bare = cloth.mass
