@@ -50,7 +50,7 @@ class SceneAttachments(SceneLink):
         Surfaces around attached vertices do not touch the other body; with ``contact=False`` the two bodies
         do not touch at all."""
         from stark.attachments.adding import attach
-        from stark.attachments.seams import gaping_seam, repeated_points
+        from stark.attachments.seams import gaping_seam, glued_to_finer, repeated_points
 
         attachment = attach(
             self,
@@ -66,8 +66,9 @@ class SceneAttachments(SceneLink):
         self._attachments.append(attachment)
         self._warn_of_late(f"attachment '{attachment.name}'")
         carrier = b.body if isinstance(b, Points) else self[b] if isinstance(b, str) and b != "world" else b
-        if gaps := gaping_seam(attachment.points, carrier if isinstance(carrier, Body) else None):
-            warn(f"attachment '{attachment.name}': {gaps}")
+        for found in (gaping_seam, glued_to_finer):
+            if doubt := found(attachment.points, carrier if isinstance(carrier, Body) else None):
+                warn(f"attachment '{attachment.name}': {doubt}")
         if repeats := repeated_points(attachment._given, len(attachment.points)):
             warn(f"attachment '{attachment.name}': {repeats}")
         return attachment

@@ -1,5 +1,5 @@
-"""What is doubtful about attachments: vertices of a finer border that nothing would hold, pairs that are
-there twice."""
+"""What is doubtful about attachments: vertices of a finer border or face that nothing would hold, pairs
+that are there twice."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stark._core import find_closest_triangles
 from stark.bodies import Body
 from stark.body_kinds import has_points, row_of
 from stark.selections import Points
@@ -19,6 +20,7 @@ Integers = NDArray[np.int32]
 _NEAR = 0.2  # distance from a seam edge over its length, within which a vertex lies along it
 _INNER = 0.02  # part of a seam edge at its ends, where vertices coincide with those of the other border
 _FINER = 1.5  # vertices of the border along a seam, over attached points, above which it gapes
+_FINER_FACE = 2.0  # mean area of glued faces, over that of the faces below them, above which stresses jump
 
 
 def gaping_seam(points: Points, carrier: Body | None) -> str:
@@ -52,6 +54,32 @@ def gaping_seam(points: Points, carrier: Body | None) -> str:
     )
 
 
+def glued_to_finer(points: Points, carrier: Body | None) -> str:
+    """What is wrong with a face of a solid that is glued to finer faces of another; empty if it is none."""
+    body = points.body
+    if carrier is None or body is None or carrier is body or points._kind != "vertices":
+        return ""
+    if any(not has_points(side) or row_of(side).is_sheet for side in (body, carrier)):
+        return ""
+    if not (row_of(body).has_triangles and row_of(carrier).has_triangles):
+        return ""
+    glued = body.triangles  # type: ignore[attr-defined]
+    glued = glued[np.isin(glued, np.unique(points._columns["vertices"])).all(axis=1)]
+    if len(glued) == 0:
+        return ""
+    x, y = (side._scene._core.initial_positions(side._index) for side in (body, carrier))
+    below = np.ascontiguousarray(carrier.triangles, dtype=np.int32)
+    chosen, _ = find_closest_triangles(np.ascontiguousarray(x[glued].mean(axis=1)), y, below)
+    ratio = _mean_area(x, glued) / max(_mean_area(y, below[chosen]), np.finfo(float).tiny)
+    if ratio <= _FINER_FACE:
+        return ""
+    return (
+        f"faces of '{body.name}' that are glued have {ratio:.2g} times the area of those of '{carrier.name}' "
+        f"below them: nothing holds the vertices between, so the interface is too soft and stresses jump "
+        f"from vertex to vertex; attach the finer face to the coarser one (exchange the sides)"
+    )
+
+
 def repeated_points(given: Mapping[str, Any], count: int) -> str:
     """What is wrong with pairs that are there twice and may break; empty if none is."""
     if not given["break_force"] < np.inf:
@@ -68,6 +96,11 @@ def repeated_points(given: Mapping[str, Any], count: int) -> str:
         f"they share the force of their place, so that it takes a multiple of break_force to break them; "
         f"give each pair once, such as by np.unique(indices)"
     )
+
+
+def _mean_area(places: Floats, triangles: Integers) -> float:
+    a, b, c = (places[triangles[:, k]] for k in range(3))
+    return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).mean())
 
 
 def _border(triangles: Integers) -> Integers:
