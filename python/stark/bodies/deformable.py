@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array
 from stark.bodies.body import Body
-from stark.bodies.following import follow_pins, refuse_other_motion
+from stark.bodies.following import follow_pins, refuse_other_motion, refuse_replaced_targets
 from stark.bodies.rest_state import RestState
 from stark.mesh import Indices
 from stark.readings import reading
@@ -124,6 +124,7 @@ class DeformableBody(Body, RestState):
                 f"must be ({count}, 3), a row for each vertex that was pinned when the simulation was made"
             )
         check_places(array, f"'{self.name}': pin_targets")
+        refuse_replaced_targets(self, "pin_targets", array, simulation._core.pin_targets(self._index))
         simulation._core.set_pin_targets(self._index, np.ascontiguousarray(array))
 
     @property

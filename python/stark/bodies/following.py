@@ -29,6 +29,8 @@ _ELSEWHERE = 0.01
 _LARGEST_TURN, _LARGEST_STILL_TURN = np.pi / 8.0, 0.75 * np.pi
 #: Part of a step over which the rate of a rotation is taken.
 _RATE_OVER = 1e-3
+#: What an assignment may change, rounding aside, of what follows a motion [m, 1, m/s, rad/s].
+_SAME = 1e-12
 
 
 class PinnedBody(Protocol):
@@ -248,6 +250,36 @@ def follow_pose(body: BodyHandle, position: Any, rotation: Any) -> None:
     body._scene._followers[body._index] = [] if stops else [follower]
     if stops and (core := _core_after_failure(body)) is not None:
         core.set_pose(body._index, *core.pose(body._index))
+
+
+def refuse_replaced_pose(body: BodyHandle, what: str, *changes: tuple[Floats, Floats]) -> None:
+    """Raises InvalidArgument where (given, present) values of a body that follows a motion differ: the coming
+    step takes those of the motion, and the assignment would be lost without a word."""
+    followers = body._scene._followers.get(body._index, [])
+    if not any(isinstance(follower, PoseFollower) for follower in followers):
+        return
+    if any(np.abs(given - present).max() > _SAME for given, present in changes):
+        raise InvalidArgument(
+            f"'{body.name}': {what} is assigned, but the body follows a motion, which has its position and "
+            f"its rotation in each step: must be left to it; give the motion both, follow(position=, "
+            f"rotation=), or end it before with follow()"
+        )
+
+
+def refuse_replaced_targets(body: PinnedBody, what: str, given: Floats, present: Floats) -> None:
+    """The same of ``pin_targets`` (k, 3) [m] and ``clamp_targets`` (k, 3, 3)."""
+    changed = np.abs(given - present).reshape(len(given), -1).max(axis=1, initial=0.0) > _SAME
+    clamps = what == "clamp_targets"
+    vertices = getattr(body, "clamped" if clamps else "pins")[: len(given)]
+    for follower in body._scene._followers.get(body._index, []):
+        if not isinstance(follower, PinFollower) or (clamps and follower.rotation is None):
+            continue
+        lost = np.flatnonzero(changed & np.isin(vertices, body.pins[follower.rows]))
+        if len(lost):
+            raise InvalidArgument(
+                f"'{body.name}': {what}[{lost[0]}] is assigned, but vertex {vertices[lost[0]]} follows a "
+                f"motion, which has its place in each step: must be left to it; end it before with follow()"
+            )
 
 
 def _core_after_failure(body: Any) -> Any:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.bodies.body import Body
-from stark.bodies.following import follow_pose, refuse_other_motion
+from stark.bodies.following import follow_pose, refuse_other_motion, refuse_replaced_pose
 from stark.bodies.moving_surface import MovingSurface
 from stark.bodies.sensors import InertialSensors
 from stark.handle import SimulationLink
@@ -158,6 +158,8 @@ class RigidBody(InertialSensors, Body, MovingSurface):
     def _set_pose(self, what: str, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> None:
         simulation = self._require_movable(what)
         if self.motion == "scripted":
+            there, turned = self._target(what)
+            refuse_replaced_pose(self, what, (position, there), (rotation, turned))
             simulation._core.set_pose(self._index, position, rotation)
         else:
             simulation._to_place(what).place(self._index, position, rotation)
@@ -167,6 +169,8 @@ class RigidBody(InertialSensors, Body, MovingSurface):
     ) -> None:
         simulation = self._require_movable(what)
         if self.motion == "scripted":
+            moving, turning = simulation._core.twist(self._index)
+            refuse_replaced_pose(self, what, (velocity, moving), (angular_velocity, turning))
             simulation._core.set_twist(self._index, velocity, angular_velocity)
         else:
             simulation._to_place(what).push(self._index, velocity, angular_velocity)

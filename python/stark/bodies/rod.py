@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array
 from stark.bodies.deformable import DeformableBody
+from stark.bodies.following import refuse_replaced_targets
 from stark.materials import RodMaterial
 from stark.mesh import Indices, Polyline
 from stark.readings import reading
@@ -111,6 +112,8 @@ class Rod(DeformableBody):
                 f"must be ({count}, 3, 3), a rotation for each node that was clamped when the simulation was "
                 f"made"
             )
+        present = simulation._core.clamp_targets(self._index).reshape(-1, 3, 3)
+        refuse_replaced_targets(self, "clamp_targets", array, present)
         simulation._core.set_clamp_targets(self._index, np.ascontiguousarray(array.reshape(count, 9)))
 
     @property
