@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -79,3 +80,32 @@ def test_clamps_on_a_motion_take_no_targets() -> None:
     rod.follow()
     rod.clamp_targets = turned
     assert not sim.step().failed and np.allclose(rod.frames[0], turned[0], atol=1e-12)
+
+
+def test_a_motion_that_replaces_half_of_another_warns() -> None:
+    scene = stark.Scene()
+    box = scene.add_box(0.1, motion="scripted", name="mover")
+    box.follow(position=lambda t: (t, 0.0, 0.0))
+    with pytest.warns(stark.StarkWarning, match="'mover': follow: its position follows no motion any more"):
+        box.follow(rotation=lambda t: stark.rotation(axis="z", angle=t))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        box.follow(position=lambda t: (t, 0.0, 0.0), rotation=lambda t: stark.rotation(axis="z", angle=t))
+        box.follow()
+        box.follow(position=lambda t: (t, 0.0, 0.0))
+
+
+def test_a_velocity_that_a_motion_ends_warns() -> None:
+    """That of what the motion does not prescribe; the velocity of the motion itself may be given."""
+    scene = stark.Scene()
+    spinner = scene.add_box(0.1, motion="scripted", name="spinner", angular_velocity=(0.0, 0.0, 2.0))
+    slider = scene.add_box(
+        0.1, motion="scripted", name="slider", position=(1, 0, 0), velocity=(1.0, 0.0, 0.0)
+    )
+    spinner.follow(position=lambda t: (0.0, t, 0.0))
+    slider.follow(position=lambda t: (1.0 + t, 0.0, 0.0))
+    sim = stark.Simulation(scene, time_step=0.01)
+    with pytest.warns(stark.StarkWarning, match=r"'spinner': angular_velocity = .*2.* rad/s ends") as told:
+        sim.step()
+    assert len(told) == 1
+    assert spinner.rotation[0, 0] == 1.0 and slider.position[0] == pytest.approx(1.01, rel=1e-12)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import as_array, shown_value
+from stark.caller import warn
 from stark.handle import BodyHandle, Follower, SceneLink, SimulationLink
 from stark.mesh import Indices
 from stark.motion import Motion, as_motion
@@ -68,6 +69,21 @@ class PoseFollower:
     def title(self) -> str:
         return f"the motion that '{self.body.name}' follows"
 
+    def _standing_still(self) -> str:
+        """What is wrong with a velocity at time 0 of what no motion prescribes; else empty."""
+        if (simulation := self.body._simulation()) is None:
+            return ""
+        names, motions = ("velocity", "angular_velocity"), (self.position, self.rotation)
+        units, parts = ("m/s", "rad/s"), ("position", "rotation")
+        for k, rate in enumerate(simulation._core.twist(self.body._index)):
+            if motions[k] is None and np.abs(rate).max() > 0.0:
+                return (
+                    f"'{self.body.name}': {names[k]} = {shown_value(tuple(map(float, rate)))} {units[k]} "
+                    f"ends with the first step, as it follows a motion without {parts[k]}=, which stays as "
+                    f"at time 0: give follow() the {parts[k]} over time, too"
+                )
+        return ""
+
     def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         simulation._core.set_pose(self.body._index, *self.pose(time), duration)
 
@@ -86,7 +102,7 @@ class PoseFollower:
             return text + "; positions are those of the body in the world"
         angle = _angle_of(rotation @ turned.T)
         if angle <= _ELSEWHERE:
-            return ""
+            return self._standing_still()
         return (
             f"'{self.body.name}': at 0 s its motion is turned by {angle:.3g} rad from it, and the first step "
             f"turns it there: add the body with rotation= as the motion starts, or let the motion start as "
@@ -247,6 +263,13 @@ def follow_pose(body: BodyHandle, position: Any, rotation: Any) -> None:
     )
     follower.first = _at_start(follower.pose, body.name)  # says at once what is wrong with the values
     stops = position is None and rotation is None
+    for known in [] if stops else body._scene._followers.get(body._index, []):
+        for name, now, before in _parts(follower, known):
+            if now is None and before is not None:
+                warn(
+                    f"'{body.name}': follow: its {name} follows no motion any more, stays as at time 0: give "
+                    f"follow(position=, rotation=) both, or call follow() before if this is meant"
+                )
     body._scene._followers[body._index] = [] if stops else [follower]
     if stops and (core := _core_after_failure(body)) is not None:
         core.set_pose(body._index, *core.pose(body._index))
@@ -280,6 +303,16 @@ def refuse_replaced_targets(body: PinnedBody, what: str, given: Floats, present:
                 f"'{body.name}': {what}[{lost[0]}] is assigned, but vertex {vertices[lost[0]]} follows a "
                 f"motion, which has its place in each step: must be left to it; end it before with follow()"
             )
+
+
+def _parts(follower: PoseFollower, known: Follower) -> list[tuple[str, Motion | None, Motion | None]]:
+    """Names of what a motion prescribes, its motions and those of the one that it replaces."""
+    if not isinstance(known, PoseFollower):
+        return []
+    return [
+        ("position", follower.position, known.position),
+        ("rotation", follower.rotation, known.rotation),
+    ]
 
 
 def _core_after_failure(body: Any) -> Any:
