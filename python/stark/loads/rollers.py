@@ -15,7 +15,7 @@ from stark.formulas.material_law import MaterialLaw
 from stark.materials import SolidMaterial
 from stark.mesh import EmbeddedMesh
 from stark.selections import Points, Stencils
-from stark.symbolic import Scalar, dot
+from stark.symbolic import Scalar, dot, squared_norm
 
 Floats = NDArray[np.float64]
 
@@ -54,6 +54,27 @@ def slopes(
     return 0.5 * stiffness * off * off
 
 
+@energy(translation_invariant=True)
+def directions(
+    node: Point,
+    tip: Point,
+    reach: float = parameter(unit="m", above=0.0, doc="from a node to its tip"),
+    normal: Vec3 = parameter(doc="of the plane of symmetry, a unit vector"),
+    stiffness: float = parameter(unit="N m", above=0.0, doc="of each node at the plane"),
+) -> Scalar:
+    """Nodes of rods at a plane of symmetry: what of their section is along the normal stays so."""
+    return 0.5 * stiffness * squared_norm((tip.x - node.x) / reach - normal)
+
+
+class Directions(NamedTuple):
+    """What ``directions`` takes for the nodes of a rod at a plane of symmetry."""
+
+    nodes: Points
+    tips: Any
+    reach: float
+    stiffness: float
+
+
 class Slopes(NamedTuple):
     """What ``slopes`` takes for the triangles of a cloth at a plane of symmetry."""
 
@@ -84,6 +105,20 @@ def slopes_at(points: Points, normal: Floats) -> Slopes | None:
     # away, so this is the energy of its own curvature: D (2 slope/height)^2/2 times its area.
     stiffness = 2.0 * bending[rows] * edge**2 / double_area
     return Slopes(body.faces[rows], areas @ normal / double_area, stiffness)
+
+
+def directions_at(points: Points, normal: Floats) -> Directions | None:
+    """The nodes of a rod; None of other bodies."""
+    rod: Any = points.body
+    vertices = points._columns.get("vertices")
+    if not isinstance(rod, Rod) or vertices is None:
+        return None
+    section = rod.material.section
+    bending = max(float(np.max(section[f"bending_stiffness_{k}"])) for k in (1, 2))
+    reach = float(np.linalg.norm(np.diff(rod.mesh.vertices, axis=0), axis=1).mean())
+    frames = rod._scene._core.initial_frames(rod._index).reshape(-1, 3, 3)[vertices]
+    tips = rod.points(vertices, reach * (normal @ frames))
+    return Directions(points, tips, reach, _STIFF * bending / reach)
 
 
 def unit_normal(normal: str | ArrayLike, owner: str) -> Floats:

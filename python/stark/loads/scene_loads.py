@@ -249,9 +249,9 @@ class SceneLoads(SceneLink):
         name: str | None = None,
     ) -> Energy:
         """A plane of symmetry, across ``normal``, "x", "y", "z" or (3,), beyond which the other half of a
-        cloth or a solid is left out. ``add_rollers`` for the points that lie in it, of which the handle is
-        returned; of cloths that bend also the slopes of the triangles at it, which rollers leave free: the
-        energy that is called as the handle, with "slopes"."""
+        cloth, a solid or a rod is left out. ``add_rollers`` for the points that lie in it, of which the
+        handle is returned; of cloths that bend and of rods also the slopes at it, which rollers leave free:
+        the energy that is called as the handle, with "slopes". Of a load on a node in the plane give half."""
         from stark.loads import rollers
 
         owner = "symmetry" if name is None else f"symmetry '{name}'"
@@ -268,6 +268,11 @@ class SceneLoads(SceneLink):
             triangles, start, turning = held
             bound = rollers.slopes(triangles, start=start, normal=direction, stiffness=turning)
             self.add(bound, name=f"{load.name} slopes")
+        turned = rollers.directions_at(points, direction)
+        if turned is not None:
+            nodes, tips, reach, twisting = turned
+            held_nodes = rollers.directions(nodes, tips, reach=reach, normal=direction, stiffness=twisting)
+            self.add(held_nodes, name=f"{load.name} slopes")
         return load
 
 
