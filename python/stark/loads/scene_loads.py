@@ -17,6 +17,7 @@ from stark.selections import FrameHandle, Points, Stencils
 
 if TYPE_CHECKING:
     from stark.formulas.handle import Energy
+    from stark.joined_points import JoinedPoints
     from stark.loads.closed_surface import ClosedSurface
 
 #: Points of a plane of symmetry are no farther apart along its normal, over the size of their body.
@@ -175,19 +176,20 @@ class SceneLoads(SceneLink):
 
     def add_force(
         self,
-        points: RigidBody | Points,
+        points: RigidBody | Points | JoinedPoints,
         force: ArrayLike | Callable[[float], ArrayLike],
         *,
         name: str | None = None,
     ) -> Energy:
-        """A force [N] that keeps its direction, on each of some points, ``cloth.vertices[[0, 5]]`` or
-        ``box.points((0, 0, 0.1))``, or on the centre of mass of a rigid body. (3,) for all points, (n, 3) for
-        each its own. ``handle.force`` may change at any time."""
+        """A force [N] that keeps its direction, on each of some points, ``cloth.vertices[[0, 5]]``,
+        ``box.points((0, 0, 0.1))`` or ``rod.points(-1, (0.01, 0, 0))``, or on the centre of mass of a rigid
+        body. (3,) for all points, (n, 3) for each its own. ``handle.force`` may change at any time."""
+        from stark.joined_points import JoinedPoints
         from stark.loads import formulas
 
         if isinstance(points, RigidBody):
             points = points.points(points.center_of_mass)
-        if not isinstance(points, Points):
+        if not isinstance(points, Points | JoinedPoints):
             raise InvalidArgument(
                 f"force on {points!r}: must be a rigid body, or points such as cloth.vertices[[0, 5]]"
             )

@@ -168,6 +168,29 @@ def test_a_torque_at_its_end_bends_a_rod_to_a_half_circle() -> None:
     assert rod.clamp_torques[0] == pytest.approx((0, 0, -full), abs=1e-4 * full)
 
 
+def test_a_force_beside_a_rod_twists_it_and_one_on_joined_points_is_on_each() -> None:
+    """Force times lever is the torque that the clamp holds; a box and the rod get their own forces."""
+    cane = stark.RodMaterial(density=500.0, youngs_modulus=1e9, radius=2e-3)
+    lever, twist = 0.05, 0.01
+    load = cane.section["torsional_stiffness"] * twist / 0.2 / lever
+    scene = stark.Scene()
+    line = stark.mesh.polyline((0, 0, 0), (0.2, 0, 0), 20)
+    rod = scene.add_rod(line, cane, clamps=[0], normal=(0, 0, 1))
+    box = scene.add_box(0.1, mass=1.0, motion="fixed", position=(0, 1, 0))
+    eyelet = rod.points([20], rod.frames[20].T @ (0.0, lever, 0.0))
+    scene.add_force(eyelet, (0.0, 0.0, load))
+    both = scene.add_force(stark.joined([rod.vertices[[20]], box.points((0, 0, 0))]), [(1, 0, 0), (0, 2, 0)])
+    settings = {"time.integrator": "quasistatic", "contact.enabled": False}
+    sim = stark.Simulation(scene, time_step=1.0, gravity=(0, 0, 0), settings=settings)
+    assert not sim.step().failed
+    assert rod.clamp_torques[0, 0] == pytest.approx(-load * lever, rel=2e-4)  # the lever turns by 0.01 rad
+    assert rod.section_moments[:, 0] == pytest.approx(np.full(20, load * lever), rel=2e-4)
+    assert rod.tensions == pytest.approx(np.ones(20), rel=1e-3)
+    assert both.forces[:, 0].tolist() == [[1, 0, 0], [0, 2, 0]] and box.holding_force[1] == pytest.approx(
+        -2.0
+    )
+
+
 def test_wrong_loads_are_refused() -> None:
     scene = stark.Scene()
     cloth, box = balloon(scene), scene.add_box(0.1, mass=1.0, position=(1, 0, 0))
