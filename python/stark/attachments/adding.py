@@ -15,6 +15,7 @@ from stark.attachments.handle import Attachment
 from stark.bodies import Body
 from stark.body_kinds import has_frames, has_points, has_pose, row_of
 from stark.handle import SceneLink
+from stark.joined_points import JoinedPoints
 from stark.selections import Points, Stencils, local_points, node_frame, vertex_points, world_points
 
 Floats = NDArray[np.float64]
@@ -111,6 +112,12 @@ def _side(scene: SceneLink, owner: str, label: str, side: Any) -> Body | Points 
         side = _corners(owner, label, side)
     if side is None and label == "b":
         return None
+    if isinstance(side, JoinedPoints):
+        raise InvalidArgument(
+            f"{owner}: side {label} = {side!r}: must be points of one body; those that frames of a rod carry "
+            f"are held by joints, scene.add_ball(rod.frame(node, position=...), other), those of several "
+            f"bodies by an attachment for each"
+        )
     if not isinstance(side, (Body, Points)):
         rest = ", or None for the world" if label == "b" else ""
         raise InvalidArgument(

@@ -196,6 +196,16 @@ def test_more_refusals() -> None:
     for a, b, message in [
         (cloth.vertices, other, "'stranger' belongs to another scene"),
         (3.0, cloth, "side a = 3.0: must be a body or points"),
+        (
+            rod.points([1], (0.01, 0, 0)),
+            None,
+            r"side a = <1 points of 'string'>: .* scene\.add_ball\(rod\.frame",
+        ),
+        (
+            cloth,
+            stark.joined([rod.vertices, cloth.vertices]),
+            "side b = .*: must be points of one body; those",
+        ),
         (cloth.vertices, cloth, "both sides are 'sheet'"),
         (cloth.vertices, cloth.vertices[:2], "9 points on 2 points: must be as many, or one"),
         (cloth.vertices[[0, 1]], cloth.vertices[[0, 1]], "pair 0 attaches 'sheet' to itself, at vertex 0"),
