@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.bodies import Cloth, Rod, Solid
+from stark.bodies.layers import Skin
 from stark.formulas import Point, Triangle, Vec3, energy, parameter
 from stark.formulas.law_checks import Law
 from stark.formulas.material_law import MaterialLaw
@@ -89,8 +90,14 @@ def slopes_at(points: Points, normal: Floats) -> Slopes | None:
     vertices = points._columns.get("vertices")
     if not isinstance(body, Cloth) or vertices is None:
         return None
-    bending = np.maximum(body.material.flexural_rigidity, 3.0 * np.asarray(body.material.bending_stiffness))
-    bending = np.broadcast_to(bending, len(body.triangles))
+    bending = _bending_of(body.material, len(body.triangles))
+    for skin in body.layers:
+        if isinstance(skin, Skin):
+            corners = np.sort(np.concatenate([body.triangles, skin.triangles]), axis=1)
+            number = np.unique(corners, axis=0, return_inverse=True)[1].ravel()
+            stiff = np.zeros(number.max() + 1)
+            np.add.at(stiff, number[len(bending) :], _bending_of(skin.material, len(skin.triangles)))
+            bending = bending + stiff[number[: len(bending)]]
     inside = np.isin(body.triangles, vertices)
     rows = np.flatnonzero((inside.sum(axis=1) == 2) & (bending > 0.0))
     if not len(rows):
@@ -105,6 +112,12 @@ def slopes_at(points: Points, normal: Floats) -> Slopes | None:
     # away, so this is the energy of its own curvature: D (2 slope/height)^2/2 times its area.
     stiffness = 2.0 * bending[rows] * edge**2 / double_area
     return Slopes(body.faces[rows], areas @ normal / double_area, stiffness)
+
+
+def _bending_of(material: Any, count: int) -> Floats:
+    """Rigidity (count,) [N m] of the triangles of a sheet."""
+    bending = np.maximum(material.flexural_rigidity, 3.0 * np.asarray(material.bending_stiffness))
+    return np.broadcast_to(bending, count)
 
 
 def directions_at(points: Points, normal: Floats) -> Directions | None:

@@ -169,6 +169,30 @@ def test_a_part_of_a_shell_is_at_rest_at_its_planes_of_symmetry() -> None:
     assert [len(scene.energies[f"{axis} slopes"].forces) for axis in "xy"] == [4, 4]
 
 
+def test_a_skin_that_bends_is_held_at_a_plane_of_symmetry_as_its_sheet_is() -> None:
+    """Half of a strip on two supports, of one plate and of a weak plate with a stiff skin, its triangles in
+    another order: with a slope that only the weak one holds it would be a mechanism."""
+    mesh = stark.mesh.grid(0.5, 0.05, (10, 2))
+    x = mesh.vertices[:, 0]
+    order = np.random.default_rng(0).permutation(len(mesh.triangles))
+
+    def sag(share: float) -> float:
+        scene = stark.Scene()
+        strip = scene.add_cloth(mesh, PLATE.replace(flexural_rigidity=(1.0 - share) * 1e-2))
+        if share > 0.0:
+            limp = PLATE.replace(youngs_modulus=1e-3, flexural_rigidity=share * 1e-2)
+            strip.add_skin(limp, np.roll(mesh.triangles[order], 1, axis=1))
+        scene.add_rollers(strip.vertices[x < -0.2499], "z")
+        scene.add_symmetry(strip.vertices[x > 0.2499], "x")
+        scene.add_rollers(strip.vertices, "y")
+        scene.add_force(strip.vertices[x > 0.2499], (0.0, 0.0, -1e-7))
+        sim = stark.Simulation(scene, time_step=1.0, **STILL)
+        assert not sim.step().failed
+        return float(strip.positions[x > 0.2499, 2].mean())
+
+    assert sag(0.99) == pytest.approx(sag(0.0), rel=1e-3)
+
+
 def test_symmetry_of_solids_is_rollers() -> None:
     scene = stark.Scene()
     block = scene.add_solid(stark.mesh.tet_box(0.1, 2), RUBBER)
