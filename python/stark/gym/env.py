@@ -78,6 +78,7 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         those of the task."""
         if options is not None and not isinstance(options, Mapping):
             raise TaskError(f"task '{self.task.name}': reset: options = {options!r}: must be a dictionary")
+        self._count = None  # a reset that raises leaves no episode behind
         super().reset(seed=seed)
         self.task._take_options(dict(options or {}))
         if self.task.is_randomised:
@@ -90,8 +91,9 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             self._put_back_functions_of_time()
         self.task.start(self.sim, self.np_random)
         self._begin = self.sim.time
+        first = self._observation(), self._info()
         self._count = 0
-        return self._observation(), self._info()
+        return first
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
         """One control step. Actions beyond their space are cut to it; raises TaskError for those that are not
@@ -99,8 +101,8 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         if self._count is None:
             raise TaskError(f"task '{self.task.name}': step() without an episode: must be after reset()")
         given = self._action(action)
-        self._count += 1
-        failed = self._advance(given, self._begin + self._count * self.task.control_step)
+        failed = self._advance(given, self._begin + (self._count + 1) * self.task.control_step)
+        self._count += 1  # not of a step whose act() raised: taken again, it has the same end
         observation = self._observation()
         reward, done, info = self._outcome(given)
         terminated = failed is None and done

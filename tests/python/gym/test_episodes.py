@@ -291,3 +291,36 @@ def test_gravity_compensation_ends_with_its_episode() -> None:
     assert env.sim.robots[0].drives[0].gravity_compensation
     task.compensated = False
     assert episode(env) == first
+
+
+class Broken(Many):
+    """Its ``start`` raises where it is told to, its ``act`` on actions above 0.5."""
+
+    def start(self, sim: Any, random: Any) -> None:
+        if self.options.get("broken"):
+            raise ValueError("start")
+
+    def act(self, sim: Any, action: Any) -> None:
+        if action[0] > 0.5:
+            raise ValueError("act")
+
+
+def test_a_reset_that_raises_leaves_no_episode() -> None:
+    """Steps went on with the clock of the episode before."""
+    env = SceneEnv(Broken())
+    env.reset(seed=1)
+    env.step(np.zeros(1))
+    with pytest.raises(ValueError, match="start"):
+        env.reset(seed=2, options={"broken": True})
+    with pytest.raises(TaskError, match="must be after reset"):
+        env.step(np.zeros(1))
+
+
+def test_a_step_whose_act_raises_does_not_count() -> None:
+    """The next one took twice the time."""
+    env = SceneEnv(Broken())
+    env.reset(seed=1)
+    with pytest.raises(ValueError, match="act"):
+        env.step(np.ones(1))
+    env.step(np.zeros(1))
+    assert env.sim.time == pytest.approx(0.02, rel=1e-12)
