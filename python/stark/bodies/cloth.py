@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from stark import _core
 from stark.bodies.layered import LayeredBody
+from stark.caller import warn
 from stark.materials import ShellMaterial
+from stark.mesh.repair import turned_edge
 from stark.selections import Stencils
 
 
@@ -32,13 +34,21 @@ class Cloth(LayeredBody):
     @property
     def natural_curvature(self) -> NDArray[np.float64]:
         """Curvature of each triangle without load (n, 3, 3) [1/m], a tensor in the axes of the mesh, beside
-        that of the rest shape; what of it lies in the triangle. Positive values bend the sheet towards its
-        normals. Numbers (n,) are the same in all directions. Assign it as ``growth``; of materials with a
+        that of the rest shape; what of it lies in the triangle. Positive values bend each triangle towards
+        its normal. Numbers (n,) are the same in all directions. Assign it as ``growth``; of materials with a
         ``flexural_rigidity``."""
         return self._rest_value("natural_curvature")
 
     @natural_curvature.setter
     def natural_curvature(self, value: Any) -> None:
+        if "natural_curvature" not in self._rest_values:
+            edge = turned_edge(self.mesh.triangles)
+            if edge is not None:
+                warn(
+                    f"'{self.name}': natural_curvature: bends triangles to opposite sides, as those at the "
+                    f"edge between the vertices {edge[0]} and {edge[1]} and others are oriented differently: "
+                    f"turn them with stark.mesh.oriented, or give each triangle its own sign"
+                )
         self._set_rest_value("natural_curvature", value)
 
     def _rest_shapes(self, name: str) -> tuple[tuple[int, ...], ...]:

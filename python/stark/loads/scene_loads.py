@@ -62,7 +62,9 @@ class SceneLoads(SceneLink):
 
         owner = "face pressure" if name is None else f"face pressure '{name}'"
         start = at_start(pressure, owner)
-        triples, shares = surface_loads.pressed_triples(surface_loads.chosen_faces(faces, owner))
+        chosen = surface_loads.chosen_faces(faces, owner)
+        surface_loads.refuse_turned(faces, owner, chosen)
+        triples, shares = surface_loads.pressed_triples(chosen)
         load = self.add(surface_loads.face_pressure(triples, pressure=start, shares=shares), name=name)
         set_courses("energy", load, {"pressure": pressure})
         return load

@@ -17,6 +17,7 @@ from stark.formulas import Point, Triangle, Vec3, energy, parameter
 from stark.handle import BodyHandle
 from stark.mesh import Indices
 from stark.mesh.face_shapes import cut_faces, face_nodes, face_quadrature, shape_functions
+from stark.mesh.repair import turned_edge
 from stark.selections import Points, Stencils, stencils, vertex_points
 from stark.symbolic import Scalar, cross, dot
 
@@ -99,6 +100,20 @@ def areas_of_nodes(faces: Faces) -> tuple[Points, Floats]:
     vertices, rows = np.unique(faces.nodes, return_inverse=True)
     total: Floats = np.bincount(rows.ravel(), weights=areas.ravel()).astype(np.float64)
     return vertex_points(faces.body, vertices.astype(np.int32)), total
+
+
+def refuse_turned(surface: Any, owner: str, faces: Faces) -> None:
+    """InvalidArgument where the normals of two neighbouring triangles point to opposite sides: a pressure
+    would push one and pull the other."""
+    chosen = surface.faces if isinstance(surface, Body) else surface
+    triangles = np.stack([column._columns["vertices"] for column in chosen.columns], axis=1)
+    edge = turned_edge(triangles)
+    if edge is not None:
+        raise InvalidArgument(
+            f"{owner} on '{faces.body.name}': its triangles at the edge between the vertices {edge[0]} and "
+            f"{edge[1]} are oriented differently: neighbouring ones must have normals to the same side; turn "
+            f"them with stark.mesh.oriented, or select faces of one side"
+        )
 
 
 def pressed_triples(faces: Faces) -> tuple[Stencils, Floats]:

@@ -99,6 +99,20 @@ def oriented(mesh: TetMesh | TriangleMesh) -> TetMesh | TriangleMesh:
     return _oriented_triangles(mesh)
 
 
+def turned_edge(triangles: Indices) -> tuple[int, int] | None:
+    """The first edge whose two triangles (n, 3) run along it in the same direction, so that their normals
+    point to opposite sides. None where there is no such edge; edges of three triangles and more do not
+    count."""
+    edges = np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)])
+    _, rows, counts = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    forward = np.bincount(rows.ravel(), weights=edges[:, 0] < edges[:, 1])
+    turned = (counts == 2) & (forward != 1)
+    if not turned.any():
+        return None
+    a, b = sorted(edges[np.flatnonzero(rows.ravel() == np.argmax(turned))[0]].tolist())
+    return a, b
+
+
 def _oriented_triangles(mesh: TriangleMesh) -> TriangleMesh:
     triangles = mesh.triangles.copy()
     by_edge: dict[tuple[int, int], list[int]] = {}

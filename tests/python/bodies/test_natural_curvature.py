@@ -86,3 +86,19 @@ def test_documents_and_refusals(tmp_path: Path) -> None:
     scene.save(tmp_path / "leaf.json")
     again = stark.load_scene(tmp_path / "leaf.json").bodies["leaf"]
     np.testing.assert_array_equal(again.natural_curvature, sheet.natural_curvature)
+
+
+def test_triangles_that_face_opposite_sides_are_warned_of() -> None:
+    """A strip that should curl up by 0.27 m stayed flat within 0.02 m, and was told that forces are right."""
+    grid = stark.mesh.grid(0.1, 0.1, cells=2)
+    mixed = grid.triangles.copy()
+    mixed[::2] = mixed[::2][:, [0, 2, 1]]
+    scene = stark.Scene()
+    with pytest.warns(
+        stark.StarkWarning, match=r"pressures on faces, natural curvature; stark\.mesh\.oriented"
+    ):
+        sheet = scene.add_cloth(stark.TriangleMesh(grid.vertices, mixed), SHEET, name="leaf")
+    with pytest.warns(stark.StarkWarning, match="'leaf': natural_curvature: bends triangles to opposite"):
+        sheet.natural_curvature = 4.0
+    turned = stark.mesh.oriented(stark.TriangleMesh(grid.vertices, mixed))
+    scene.add_cloth(turned, SHEET).natural_curvature = 4.0  # not this one

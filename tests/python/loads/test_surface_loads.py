@@ -173,3 +173,23 @@ def test_what_has_no_faces_is_refused() -> None:
         scene.add_traction(block.faces[[]], (0, 0, 1), name="wind")
     with pytest.raises(stark.InvalidArgument, match="traction"):
         scene.add_traction(block.faces, (0, 0, np.nan))
+
+
+def test_a_pressure_on_faces_of_both_sides_is_refused() -> None:
+    """It pushed some triangles and pulled their neighbours: 0.02 m in place of 0.33 m, without a word."""
+    grid = stark.mesh.grid(0.1, 0.1, cells=2)
+    mixed = grid.triangles.copy()
+    mixed[::2] = mixed[::2][:, [0, 2, 1]]
+    scene = stark.Scene()
+    with pytest.warns(stark.StarkWarning, match="oriented differently"):
+        sheet = scene.add_cloth(stark.TriangleMesh(grid.vertices, mixed), name="sail")
+    with pytest.raises(
+        stark.InvalidArgument, match=r"'sail': its triangles at the edge .* stark\.mesh\.oriented"
+    ):
+        scene.add_face_pressure(sheet, 1.0)
+    scene.add_face_pressure(sheet.faces[::2], 1.0)  # those of one side
+    fins = [(0, 1, 2), (1, 0, 3), (0, 1, 4)]  # three at one edge have no common side
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1)]
+    with pytest.warns(stark.StarkWarning):
+        wing = scene.add_cloth(stark.TriangleMesh(0.1 * np.array(corners), fins), position=(0, 0, 1))
+    scene.add_face_pressure(wing, 1.0)
