@@ -9,9 +9,12 @@ from ..files import printable
 
 
 def say(text: object = "", *, error: bool = False, flush: bool = False) -> None:
-    """Prints a line, to the standard error output with ``error``; at once with ``flush``."""
+    """Prints a line, to the standard error output with ``error``; at once with ``flush``. Nothing where the
+    stream is closed."""
     line = "\\n".join(printable(str(text)).split("\n"))
-    print(line, file=sys.stderr if error else sys.stdout, flush=flush)
+    stream = sys.stderr if error else sys.stdout
+    if stream is not None:
+        print(line, file=stream, flush=flush)
 
 
 def complain(message: object) -> None:

@@ -17,8 +17,8 @@ class Progress:
     _WIDTH = 28
 
     def __init__(self, total: float, *, quiet: bool = False, stream: TextIO | None = None) -> None:
-        self._stream = sys.stderr if stream is None else stream
-        self._on = not quiet and self._stream.isatty()
+        self._stream = sys.stderr if stream is None else stream  # None where that is closed, as of a service
+        self._on = not quiet and self._stream is not None and self._stream.isatty()
         self._total = total
         self._begin = time.perf_counter()
         self._shown = -math.inf

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 from typing import Any
@@ -66,7 +67,7 @@ class UsdWriter:
         """Moves the file into place."""
         with naming(self._path):
             try:
-                self._stage.GetRootLayer().Export(str(self._temporary))
+                self._export()
                 os.replace(self._temporary, self._path)
             finally:
                 self._temporary.unlink(missing_ok=True)
@@ -77,6 +78,15 @@ class UsdWriter:
         self._temporary.unlink(missing_ok=True)
 
     # --- details ---
+
+    def _export(self) -> None:
+        """Raises OSError where the file cannot be written; USD keeps the reason for itself."""
+        try:
+            done = self._stage.GetRootLayer().Export(str(self._temporary))
+        except self._tf.ErrorException:
+            done = False
+        if not done:
+            raise OSError(errno.EIO, "USD gives up, as it does where a disk is full")
 
     def _define(self, shot: Shot) -> None:
         taken: set[str] = set()

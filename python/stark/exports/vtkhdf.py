@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import io
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,34 @@ _MISSING = "VTKHDF needs the package h5py of the extra 'export': pip install 'st
 _CELLS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
+class _Patient(io.FileIO):
+    """A file that goes on where the disk is full: HDF5, once told of it, cannot close its file any more and
+    takes the process down. ``error`` is what went wrong first."""
+
+    error: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        view, done = memoryview(data).cast("B"), 0
+        try:
+            while self.error is None and done < len(view):
+                done += super().write(view[done:]) or 0
+        except OSError as error:
+            self.error = error
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+            return self.tell() if size is None else size
+
+    def check(self) -> None:
+        """Raises the error, if there was one."""
+        if self.error is not None:
+            raise self.error
+
+
 class VtkHdfWriter:
     """Appends times to a file."""
 
@@ -33,7 +63,8 @@ class VtkHdfWriter:
         with naming(path):
             refuse_special(path)
             self._temporary.unlink(missing_ok=True)
-            self._file: Any = h5py.File(self._temporary, "w")
+            self._raw = _Patient(self._temporary, "w+")
+            self._file: Any = h5py.File(self._raw, "w")
         self._root: Any = self._file.create_group("VTKHDF")
         self._count = 0
 
@@ -65,18 +96,27 @@ class VtkHdfWriter:
                 self._append(f"Steps/{name}", value)
             self._count += 1
             self._root["Steps"].attrs["NSteps"] = self._count
+            self._raw.check()
 
     def finish(self) -> list[Path]:
         """Moves the file into place."""
-        with naming(self._path):
-            self._file.close()
-            os.replace(self._temporary, self._path)
+        try:
+            with naming(self._path):
+                self._file.close()
+                self._raw.check()
+                self._raw.close()
+                os.replace(self._temporary, self._path)
+        except BaseException:
+            self.abandon()
+            raise
         return [self._path]
 
     def abandon(self) -> None:
         """Leaves nothing behind."""
         self._file.close()
-        self._temporary.unlink(missing_ok=True)
+        self._raw.close()
+        with suppress(OSError):
+            self._temporary.unlink(missing_ok=True)
 
     def _begin(self, shot: Shot, triangles: Any, owners: Any) -> None:
         """What does not change: triangles, and the body of each."""
