@@ -42,7 +42,7 @@ class Cloth(LayeredBody):
     @natural_curvature.setter
     def natural_curvature(self, value: Any) -> None:
         if "natural_curvature" not in self._rest_values:
-            edge = turned_edge(self.mesh.triangles)
+            edge = turned_edge(self.triangles)
             if edge is not None:
                 warn(
                     f"'{self.name}': natural_curvature: bends triangles to opposite sides, as those at the "
