@@ -219,6 +219,12 @@ nb::list list_of(const Range& range, Function function) {
 /// Flags, integers, reals (NumPy scalars too), texts and rows of three; anything else becomes its text, which
 /// the descriptor then refuses by name.
 inline FieldValue to_field_value(nb::handle object) {
+  // A number of NumPy, an array without dimensions too, is what it holds.
+  if (nb::hasattr(object, "item") && nb::hasattr(object, "ndim") &&
+      nb::int_(object.attr("ndim")).equal(nb::int_(0))) {
+    const nb::object held = object.attr("item")();
+    if (!held.type().is(object.type())) return to_field_value(held);  // long doubles hold themselves
+  }
   if (nb::isinstance<nb::str>(object)) return nb::cast<std::string>(object);
   if (nb::isinstance<nb::bool_>(object)) return nb::cast<bool>(object);
   if (PyIndex_Check(object.ptr()) && !nb::hasattr(object, "__len__")) {

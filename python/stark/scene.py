@@ -7,12 +7,10 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeAlias, TypeGuard
 
-import numpy as np
-
 from stark import _core
 from stark._core import InvalidArgument
 from stark.actuators.scene_actuators import SceneActuators
-from stark.arguments import given_name, refuse_copy
+from stark.arguments import given_name, real_number, refuse_copy
 from stark.attachments.scene_attachments import SceneAttachments
 from stark.attributes import AnsweredAttributes
 from stark.bodies.body import Body
@@ -107,9 +105,7 @@ class Scene(
 
     @default_friction.setter
     def default_friction(self, coefficient: float) -> None:
-        if isinstance(coefficient, bool) or not isinstance(coefficient, (int, float, np.number)):
-            raise InvalidArgument(f"scene: default_friction = {coefficient!r}: must be a number >= 0")
-        self._core.default_friction = float(coefficient)
+        self._core.default_friction = real_number(coefficient, "scene: default_friction")
         if self._simulated_bodies:
             self._note_change("default_friction")
 

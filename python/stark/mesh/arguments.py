@@ -105,6 +105,7 @@ def count_of(value: int, name: str, least: int = 1) -> int:
 
 def cells_of(cells: Any, dimensions: int, name: str) -> list[int]:
     """Cells along each axis, as many as indices of 32 bits can tell apart."""
+    cells = cells[()] if isinstance(cells, np.ndarray) and cells.ndim == 0 else cells
     counts = [cells] * dimensions if isinstance(cells, (int, np.integer)) else cells
     if not isinstance(counts, (list, tuple, np.ndarray)) or len(counts) != dimensions:
         raise InvalidArgument(
