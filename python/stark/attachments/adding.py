@@ -196,6 +196,11 @@ def _carried(
     owner: str, points: Points, b: Body | Points | None, distance: float | None
 ) -> tuple[Points, dict[str, Any]]:
     """The points that are attached, and what carries them as the core reads it."""
+    for name, side in (("a", points), ("b", b)):
+        if isinstance(side, Points) and not len(side):
+            raise InvalidArgument(
+                f"{owner}: side {name} has 0 points: must have at least one; check the selection of points"
+            )
     places = points.positions
     if b is None:
         return points, {"b": [world_points(places)._description()]}

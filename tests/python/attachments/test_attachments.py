@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -241,3 +243,17 @@ def test_what_prescribed_bodies_pull_apart_is_named() -> None:
     a.position = (0.1, 0.0, 0.0)
     report = sim.step()
     assert report.failed and "attachment 'contradiction', pair 0, is apart by" in report.message
+
+
+@pytest.mark.parametrize("how", [{"distance": 1.0}, {"pairs": np.zeros((0, 2), dtype=int)}, {}])
+def test_selections_without_points_are_named(how: dict[str, Any]) -> None:
+    """NumPy complained about arrays of no size."""
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=1), name="c")
+    solid = scene.add_solid(stark.mesh.tet_box(0.1, cells=1), position=(0, 0, 1))
+    sides: list[Any] = [(cloth, solid)] if "pairs" in how else [(cloth.vertices[[]], solid)]
+    if "distance" in how:
+        sides += [(cloth, solid.vertices[[]]), (cloth.vertices[[]], solid.vertices)]
+    for a, b in sides:
+        with pytest.raises(stark.InvalidArgument, match=r"side [ab] has 0 points: must have at least one"):
+            scene.attach(a, b, **how)
