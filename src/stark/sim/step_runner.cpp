@@ -89,6 +89,8 @@ std::string fitting_tolerances(const NewtonSettings& newton, const SolveReport& 
   return text.empty() ? text : text + " would fit";
 }
 
+bool is_below_least_distance(const Nearness& near) { return near.nearest < (1.0 - kUnseen) * near.least; }
+
 }  // namespace
 
 StepRunner::StepRunner(const StepContext& context, const StepParts& parts, Assembler& assembler,
@@ -245,15 +247,10 @@ void StepRunner::add_caveat(Caveat caveat, const std::string& text) {
   report_.message += (report_.message.empty() ? "" : "; ") + text;
 }
 
-bool StepRunner::is_below_least_distance() const {
-  const Nearness near = contact_->nearness(potential_.site_positions());
-  return near.nearest < (1.0 - kUnseen) * near.least;
-}
-
 void StepRunner::report_nearness() {
   const Nearness near = contact_->nearness(potential_.site_positions());
   report_.min_distance = near.distance;
-  if (!is_below_least_distance()) return;
+  if (!is_below_least_distance(near)) return;
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
   add_caveat(Caveat::BelowLeastDistance,
              name(near.group_a) + " and " + (near.group_a == near.group_b ? "itself" : name(near.group_b)) +
@@ -353,7 +350,8 @@ bool StepRunner::attempt(double h, SolveReport& total) {
   SolveReport solved = minimize(h, guess, total);
   newton_.set_way_check({});
   if (is_success(solved.status) && way_.leads_through_something(start)) solved.status = SolveStatus::Detour;
-  if (is_success(solved.status) && goes_deep_ && is_below_least_distance())
+  if (is_success(solved.status) && goes_deep_ &&
+      is_below_least_distance(contact_->nearness(potential_.site_positions())))
     solved.status = SolveStatus::LineSearchFailed;
   if (is_success(solved.status)) {
     // Energies may be finite where flow is not, as of metal that is drawn out a hundredfold.

@@ -48,7 +48,6 @@ class StepRunner : private StepPart {
   /// Length of the attempt that follows one of length h that failed, if any; else ends the step.
   std::optional<double> next_attempt(double h);
   bool may_go_deep(SolveStatus status) const;
-  bool is_below_least_distance() const;
   void set_deadline();
   /// Diagonal blocks of inertia and elasticity at the start of a step: what joints are measured against.
   std::vector<Mat3> natural_stiffness(const Configuration& start);
