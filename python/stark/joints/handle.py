@@ -423,7 +423,7 @@ class Actuator(Handle):
 
     @property
     def enabled(self) -> bool:
-        """Whether it acts; assign it to switch. Raises InvalidArgument for gears and stops that do not hold."""
+        """Whether it acts; assign it to switch. Gears and stops that do not hold are refused."""
         return bool(self._core().actuator_enabled(self._index))
 
     @enabled.setter

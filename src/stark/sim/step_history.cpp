@@ -37,12 +37,13 @@ class Balance {
     contact_product_ += contact;
   }
   bool touches() const { return contact_product_ > 0.0; }
-  double part() const {
+  /// Where contact that has only begun is sudden, too.
+  double part(bool begins_suddenly) const {
     const double net = squared_norm(contact_);
     const double whole = net > kPushed * kPushed * sum_ * sum_ ? dot(left_over_, contact_) / net : 0.0;
     const double product = left_over_product_ / contact_product_;
     const double sudden = kSudden * std::max(whole, product);
-    return std::clamp(1.0 - std::max(sudden, -product - kBegun), 0.0, 1.0);
+    return std::clamp(1.0 - (begins_suddenly ? std::max(sudden, -product - kBegun) : sudden), 0.0, 1.0);
   }
 
  private:
@@ -111,10 +112,12 @@ TimeStencil StepMotion::choose_stencil(double h, bool hits_stop) {
 }
 
 double StepMotion::lasting_contact(const std::set<int64_t>& touching) const {
-  std::set<int32_t> bodies;
+  std::set<int32_t> bodies, bounce;
   for (const int64_t code : touching) {
     const auto [a, b] = groups_of_code(code);
     bodies.insert({a, b});
+    // What stops them is given back at once, and never carried on.
+    if (std::ranges::binary_search(state_.restitution_bodies, code)) bounce.insert({a, b});
   }
   double least = 1.0;
   bool has_pushed = false;
@@ -122,7 +125,7 @@ double StepMotion::lasting_contact(const std::set<int64_t>& touching) const {
     const Balance balance = balance_of(model_, state_, model_.bodies()[body]);
     if (!balance.touches()) continue;
     has_pushed = true;
-    least = std::min(least, balance.part());
+    least = std::min(least, balance.part(bounce.contains(body)));
   }
   return has_pushed ? least : 0.0;
 }
