@@ -129,3 +129,25 @@ TEST_CASE("fixed and scripted bodies may have any size") {
   scene.add_rigid({.mesh = make_box({1e-5, 1e-5, 1e-5}), .motion = Motion::Scripted});
   CHECK(all(check_units(scene, {})) == "");
 }
+
+TEST_CASE("weak gravity and tiny bodies are named with the tolerances that rule them") {
+  const auto texts = [](double size, double gravity, double tolerance = 0.01, double stick = 1e-3) {
+    Scene scene;
+    scene.add_rigid({.name = "grain", .mesh = make_box({size, size, size}), .mass = 1e-3});
+    Settings settings;
+    settings.gravity = {0.0, 0.0, -gravity};
+    settings.newton.acceleration_tolerance = tolerance;
+    settings.contact.stick_velocity = stick;
+    return all(check_units(scene, settings));
+  };
+  CHECK(texts(0.1, 9.81) == "");
+  CHECK(texts(0.1, 0.0) == "");
+  CHECK(texts(0.1, 1.62) == "");   // the Moon
+  CHECK(texts(2e-4, 9.81) == "");  // sand
+  CHECK(texts(0.1, 6e-5).find("gravity of 6e-05 m/s^2 is below newton.acceleration_tolerance = 0.01 m/s^2: "
+                              "steps may end before it acts; lower that to 6e-08 m/s^2") !=
+        std::string::npos);
+  CHECK(texts(0.1, 6e-5).find("rigid body 'grain' gains 0.00245 m/s as it falls by its own size") !=
+        std::string::npos);
+  CHECK(texts(0.1, 6e-5, 6e-8, 2e-6) == "");
+}

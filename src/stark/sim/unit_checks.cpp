@@ -34,6 +34,10 @@ constexpr Range kFriction{0.0, 10.0};
 constexpr double kThickestContact = 0.2;  ///< contact distance over the extent of a body
 constexpr double kHeaviest = 10.0;        ///< pressure of a body's own weight over its Young's modulus
 constexpr double kStrongestGravity = 300.0, kLongestStep = 1.0;  ///< [m/s^2], the Sun's; [s]
+/// Speed below which friction sticks, over that of what falls by its own size: above, all is friction at
+/// rest.
+constexpr double kFastestStick = 0.1;
+constexpr double kFine = 1e-3;  ///< of gravity and of speeds, for tolerances that hardly show
 
 class Suspicions {
  public:
@@ -127,6 +131,31 @@ void check_friction(const Scene& scene, Suspicions& out) {
               scene.friction(a, b).sticking, "1", kFriction, hint);
 }
 
+/// Where gravity is weak, or bodies are tiny, tolerances that are meant for neither rule the motion.
+void check_slowness(const Scene& scene, const Settings& settings, Suspicions& out) {
+  const double g = norm(settings.gravity), tolerance = settings.newton.acceleration_tolerance;
+  if (g == 0.0 || !has_inertia(settings.time.integrator)) return;
+  if (g < tolerance)
+    out.add("the settings: gravity of " + quantity_text(g, "m/s^2") +
+            " is below newton.acceleration_tolerance = " + quantity_text(tolerance, "m/s^2") +
+            ": steps may end before it acts; lower that to " +
+            quantity_text(rough_below(kFine * g), "m/s^2"));
+  if (!settings.contact.enabled || !settings.contact.friction) return;
+  int32_t smallest = -1;
+  double extent = 0.0;
+  for (int32_t i = 0; i < scene.body_count(); ++i) {
+    if (scene.motion({i}) != Motion::Dynamic) continue;
+    const double own = max_abs(box_size(scene.initial_positions({i})));
+    if (smallest < 0 || own < extent) smallest = i, extent = own;
+  }
+  const double speed = std::sqrt(g * extent), stick = settings.contact.stick_velocity;
+  if (smallest < 0 || stick <= kFastestStick * speed) return;
+  out.add(owner_text(scene.kind({smallest}), scene.name({smallest})) + " gains " + rough_text(speed, "m/s") +
+          " as it falls by its own size, and contact.stick_velocity is " + quantity_text(stick, "m/s") +
+          ": friction gives way by more than it should; lower that to " +
+          quantity_text(rough_below(kFine * speed), "m/s"));
+}
+
 }  // namespace
 
 std::vector<std::string> check_units(const Scene& scene, const Settings& settings) {
@@ -153,6 +182,7 @@ std::vector<std::string> check_units(const Scene& scene, const Settings& setting
     check_material(scene, body, size, settings.gravity, suspicions);
   }
   if (settings.contact.enabled) check_friction(scene, suspicions);
+  check_slowness(scene, settings, suspicions);
   return suspicions.take();
 }
 

@@ -68,3 +68,36 @@ def test_light_box_lands_and_rests_beside_a_heavy_one() -> None:
     advance(sim, 0.3)
     assert 0.0025 < light.position[2] < 0.0025 + 1.001e-3
     assert np.abs(light.velocity).max() < 2e-3
+
+
+def swing_and_slide(gravity: float, **settings: float) -> tuple[float, float]:
+    """Angle of a pendulum that was level and way of a box down a slope, over the size, after 50 steps."""
+    scene = stark.Scene()
+    scene.default_friction = 0.3
+    bar = scene.add_box((0.4, 0.05, 0.05), mass=1.0, position=(0.2, 3, 0))
+    hinge = scene.add_hinge(None, bar, (0, 3, 0), (0, 1, 0))
+    slope = stark.rotation(axis="y", angle=np.arctan(0.5))
+    scene.add_box((8, 2, 0.1), motion="fixed", rotation=slope)
+    start = slope @ (0, 0, 0.1019)
+    box = scene.add_box(0.1, mass=1.0, position=start, rotation=slope)
+    step = 0.01 * np.sqrt(G / gravity)
+    sim = stark.Simulation(scene, time_step=step, gravity=(0, 0, -gravity), settings=settings)
+    advance(sim, 50 * step)
+    return hinge.angle, float((box.position - start) @ slope[:, 0])
+
+
+@pytest.mark.filterwarnings("ignore:the settings. time_step")
+def test_weak_gravity_moves_what_has_the_tolerances_for_it() -> None:
+    weak, speed = 1e-5, np.sqrt(1e-5 * 0.05)
+    fine = {"newton.acceleration_tolerance": 1e-3 * weak, "contact.stick_velocity": 1e-3 * speed}
+    ordinary = swing_and_slide(G, **{"contact.stick_velocity": 1e-3 * np.sqrt(G * 0.05)})
+    assert swing_and_slide(weak, **fine) == pytest.approx(ordinary, rel=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore:the settings. time_step")
+def test_weak_gravity_without_them_is_warned_about() -> None:
+    with (
+        pytest.warns(stark.StarkWarning, match=r"gravity of 1e-05 m/s\^2 is below newton\.acc.*to 1e-08 m/s"),
+        pytest.warns(stark.StarkWarning, match=r"'box_\d' gains 0\.00116 m/s .*stick_velocity is 0\.001 m/s"),
+    ):
+        swing_and_slide(1e-5)
