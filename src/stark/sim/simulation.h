@@ -173,7 +173,7 @@ class Simulation {
   void set_actuator_value(ActuatorId actuator, const std::string& name, double value);
   double actuator_value(ActuatorId actuator, const std::string& name) const;
   /// Throws InvalidArgument where what it holds, as gears and stops do, does not hold now, if no bodies are
-  /// being placed: the next step would bring it there at once.
+  /// being placed: the next step would bring it there at once. bdf2 starts anew where such are switched.
   void set_actuator_enabled(ActuatorId actuator, bool enabled);
   bool actuator_enabled(ActuatorId actuator) const;
   /// Force [N] or torque [N m] along its (first) coordinate in the last step, positive where it raises the

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <stark/base/error.h>
+#include <stark/sim/joint_wrench.h>
 #include <stark/sim/simulation_parts.h>
 #include <stark/sim/validation.h>
 
@@ -101,15 +102,20 @@ void Simulation::set_actuator_enabled(ActuatorId id, bool enabled) {
   if (enabled && !has_inertia(settings_.time.integrator))
     require_no_rates(actuator, values_of(state_, model_->actuators()[id.index]));
   const double before = std::exchange(state_.actuator_enabled[id.index], enabled ? 1.0 : 0.0);
-  if (!enabled || before != 0.0 || is_placing()) return;
-  if (model_->actuators()[id.index].law->units().empty()) return;
+  const size_t count = model_->actuators()[id.index].law->units().size();
+  if ((before != 0.0) == enabled || count == 0) return;
   const auto constraint = static_cast<int32_t>(scene_.joints().size()) + id.index;
-  const std::string text = parts_->placing.misfit_text([&](int32_t j) { return j == constraint; });
-  if (text.empty()) return;
-  state_.actuator_enabled[id.index] = before;
-  throw InvalidArgument(text +
-                        " now: must be held to act again, as the next step would throw what it is on there; "
-                        "change its values (offset, lower, upper), or place the bodies first");
+  if (enabled && !is_placing()) {
+    const std::string text = parts_->placing.misfit_text([&](int32_t j) { return j == constraint; });
+    if (!text.empty()) {
+      state_.actuator_enabled[id.index] = before;
+      throw InvalidArgument(text +
+                            " now: must be held to act again, as the next step would throw what it is on "
+                            "there; change its values (offset, lower, upper), or place the bodies first");
+    }
+  }
+  parts_->joints.forget_history();
+  let_go(state_, energies_.constraints.place(constraint).residual, count);
 }
 
 bool Simulation::actuator_enabled(ActuatorId id) const {

@@ -65,3 +65,28 @@ def test_a_stop_that_is_passed_is_refused() -> None:
     stop.enabled = True
     sim.run_until(1.0)
     assert hinge.angle <= 3.0 + 1e-5
+
+
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+@pytest.mark.parametrize("held", [1, 3, 20])
+def test_wheels_that_a_clutch_lets_go_turn_on_as_they_turn(integrator: str, held: int) -> None:
+    """With bdf2 what a gear had given in its last step went on, and wheels turned back."""
+    scene = stark.Scene()
+    wheels = [
+        scene.add_cylinder(0.05, 0.02, mass=1.0, position=(x, 0, 0), angular_velocity=(0, 0, spin))
+        for x, spin in ((0.0, 3.0), (0.3, 0.0))
+    ]
+    shaft, wheel = (scene.add_hinge(None, body, body.position, "z") for body in wheels)
+    gear = wheel.add_gear(shaft, ratio=2.0, enabled=False)
+    sim = stark.Simulation(scene, time_step=0.005, gravity=(0, 0, 0), time={"integrator": integrator})
+    sim.run_until(0.1)
+    gear.offset = wheel.angle - 2.0 * shaft.angle
+    gear.enabled = True
+    for _ in range(held):
+        assert not sim.step().failed
+    gear.enabled = False
+    for _ in range(20):
+        assert not sim.step().failed
+    # Of equal wheels with a ratio of two, J (w1, w2) loses what is along (2, -1): 3 (1/5, 2/5).
+    rates = [body.angular_velocity[2] for body in wheels]
+    assert rates == pytest.approx([0.6, 1.2], rel=1e-3)
