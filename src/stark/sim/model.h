@@ -105,6 +105,7 @@ class Model {
   const std::vector<ModelBody>& bodies() const { return bodies_; }
   const std::vector<RigidMass>& rigid_masses() const { return rigid_masses_; }
   const std::vector<double>& point_masses() const { return point_masses_; }
+  const std::vector<double>& point_damping() const { return point_damping_; }  ///< [1/s]
   const std::vector<BlockScale>& block_scales() const { return block_scales_; }
   const std::vector<JointSide>& joint_sides() const { return joint_sides_; }  ///< two by constraint
   /// By actuator of the scene. In the constraint set they follow the joints.
@@ -141,6 +142,7 @@ class Model {
   std::vector<ModelBody> bodies_;
   std::vector<RigidMass> rigid_masses_;
   std::vector<double> point_masses_;
+  std::vector<double> point_damping_;
   std::vector<BlockScale> block_scales_;
   std::vector<int32_t> energy_batches_;  ///< by energy of the scene
   std::vector<JointSide> joint_sides_;

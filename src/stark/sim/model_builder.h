@@ -179,7 +179,6 @@ struct Model::Builder {
   EmbeddedPoints embedded;                                 ///< that sites follow
   std::vector<bool> point_prescribed;                      ///< without unknowns
   std::vector<bool> body_prescribed, rotation_prescribed;  ///< by index in the state's body arrays
-  std::vector<double> point_damping;
   std::vector<int32_t>
       rigid_bodies;  ///< body ids in the order of the state's body arrays; rods, then fibres come after
   /// By index in the state's body arrays: the centre of mass or node, the first of the three axes; -1: none.

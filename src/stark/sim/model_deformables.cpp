@@ -85,7 +85,7 @@ void Model::Builder::add_deformables() {
       model.rest_positions_.push_back(X);
       point_prescribed.push_back(false);
       model.point_masses_.push_back(0.0);
-      point_damping.push_back(0.0);
+      model.point_damping_.push_back(0.0);
     }
     if (const SolidMesh* mesh = scene.solid_mesh(id)) add_embedded_sites(*mesh, body);
     for (const int32_t pin : body.pins) point_prescribed[body.first_site + pin] = true;
@@ -118,7 +118,7 @@ void Model::Builder::add_embedded_sites(const SolidMesh& mesh, const ModelBody& 
 void Model::Builder::set_masses(const ModelBody& body, std::span<const double> masses, double damping) {
   for (int32_t v = 0; v < body.site_count; ++v) {
     model.point_masses_[body.first_site + v] = masses[v];
-    point_damping[body.first_site + v] = damping;
+    model.point_damping_[body.first_site + v] = damping;
   }
 }
 

@@ -23,7 +23,7 @@ void Model::Builder::add_point_masses(BodyId body, std::span<const double> masse
   for (size_t v = 0; v < masses.size(); ++v) {
     if (masses[v] == 0.0) continue;
     double& mass = model.point_masses_[first + v];
-    double& rate = point_damping[first + v];
+    double& rate = model.point_damping_[first + v];
     rate = (mass * rate + masses[v] * damping) / (mass + masses[v]);  // forces of damping add up
     mass += masses[v];
   }

@@ -120,8 +120,9 @@ void Model::Builder::add_inertia() {
     const int32_t subject = translation_subjects[e];
     moving.set("mass", e,
                subject >= 0 ? model.point_masses_[subject] : model.rigid_masses_[-1 - subject].mass);
-    moving.set("damping", e,
-               subject >= 0 ? point_damping[subject] : model.rigid_masses_[-1 - subject].linear_damping);
+    moving.set(
+        "damping", e,
+        subject >= 0 ? model.point_damping_[subject] : model.rigid_masses_[-1 - subject].linear_damping);
   }
   moving.set_uniform("gravity", {&settings.gravity.x, 3});
   energies.batches.back().role = ModelBatch::Role::Inertia;

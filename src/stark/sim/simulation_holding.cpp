@@ -34,9 +34,10 @@ std::vector<Vec3> Simulation::pin_forces(BodyId body) {
   if (step_start_.empty() || forces.empty()) return forces;
   const MotionReference& reference = parts_->motion.reference();
   const bool has_inertia_now = has_inertia(settings_.time.integrator);
-  // Of a lumped mass that no energy has: its weight, and what accelerates it.
-  const auto own = [&](double mass, const Vec3& velocity, const Vec3& before) {
-    const Vec3 rate = has_inertia_now ? (velocity - before) / reference.stencil.scale : Vec3{};
+  // Of a lumped mass that no energy has: its weight, what accelerates it, and its damping.
+  const auto own = [&](double mass, double damping, const Vec3& velocity, const Vec3& before) {
+    const Vec3 rate =
+        has_inertia_now ? (velocity - before) / reference.stencil.scale + velocity * damping : Vec3{};
     return (rate - settings_.gravity) * mass;
   };
   const std::vector<Vec3> gradient = parts_->ledger.site_gradient(), x = site_positions();
@@ -44,9 +45,10 @@ std::vector<Vec3> Simulation::pin_forces(BodyId body) {
   if (has_nodes(b.kind)) {
     for (size_t k = 0; k < forces.size(); ++k) {
       const int32_t node = b.rigid_index + b.pins[k];
+      const RigidMass& mass = model_->rigid_masses()[node];
       forces[k] =
           wrench_on(map, node, gradient, x, state_.body_position[node]).force +
-          own(model_->rigid_masses()[node].mass, state_.body_velocity[node], reference.body_velocity[node]);
+          own(mass.mass, mass.linear_damping, state_.body_velocity[node], reference.body_velocity[node]);
     }
     return forces;
   }
@@ -58,8 +60,8 @@ std::vector<Vec3> Simulation::pin_forces(BodyId body) {
   }
   for (size_t k = 0; k < forces.size(); ++k) {
     const int32_t p = b.first_site + b.pins[k];
-    forces[k] =
-        by_point[p] + own(model_->point_masses()[p], state_.point_velocity[p], reference.point_velocity[p]);
+    forces[k] = by_point[p] + own(model_->point_masses()[p], model_->point_damping()[p],
+                                  state_.point_velocity[p], reference.point_velocity[p]);
   }
   return forces;
 }

@@ -152,3 +152,24 @@ def test_pins_of_solids(kind: str) -> None:
     arms = beam.positions[beam.pins]
     moment = np.cross(arms, forces).sum(axis=0)  # about the middle, where the weight acts
     assert moment == pytest.approx((0.0, 0.0, 0.0), abs=2e-3 * 0.1 * beam.mass * G)
+
+
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+def test_pins_pull_their_vertices_against_mass_damping(integrator: str) -> None:
+    """Bodies that are pinned as a whole and speed up: M (a + d v) and the weight. The part d v was left out,
+    a third of the force on this sheet."""
+    scene = stark.Scene()
+    sheet = scene.add_cloth(
+        stark.mesh.grid(1.0, 1.0, cells=1), stark.ShellMaterial(density=1.0, mass_damping=2.0), pins=range(4)
+    )
+    sheet.add_fibres(stark.RodMaterial(radius=0.005, mass_damping=3.0), paths=[[0, 1]], bending=False)
+    line = stark.mesh.polyline((0, 0, 1), (1, 0, 1), segments=2)
+    rod = scene.add_rod(line, stark.RodMaterial(radius=0.01, mass_damping=4.0), pins=range(3))
+    sim = stark.Simulation(scene, TIGHT, time_step=1e-3, time={"integrator": integrator})
+    rates = ((sheet, [(1.0, 2.0), (sheet.mass - 1.0, 3.0)]), (rod, [(rod.mass, 4.0)]))
+    for body, _ in rates:
+        body.follow(displacement=lambda t: (t * t, 0.0, 0.0))  # 2 m/s^2
+    sim.run_until(0.3)
+    for body, parts in rates:
+        force = sum(mass * (2.0 + damping * 0.6) for mass, damping in parts)
+        assert body.pin_forces.sum(axis=0) == pytest.approx((force, 0.0, body.mass * G), rel=2e-3, abs=1e-6)
