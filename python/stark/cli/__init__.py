@@ -58,8 +58,11 @@ class _Parser(argparse.ArgumentParser):
         for verb in self._verbs().values():
             known += verb._option_string_actions
         words = message.replace("argument VERB: invalid choice: ", "unrecognized arguments: ")
-        wrong = words.removeprefix("unrecognized arguments: ").split()[0].partition("=")[0].strip("'")
+        word = words.removeprefix("unrecognized arguments: ").split()[0]
+        wrong = word.partition("=")[0].strip("'")
         near = difflib.get_close_matches(wrong, known, n=1) if words.startswith("unrecognized") else []
+        if words.startswith("unrecognized") and "=" in word and not word.startswith("-"):
+            near = [f"--option {word}"]
         near = [_ELSEWHERE[wrong]] if wrong in _ELSEWHERE else near
         hint = f"; did you mean '{near[0]}'?" if near else ""
         super().error(message + hint)

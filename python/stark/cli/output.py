@@ -4,6 +4,7 @@ out, and one call is one line."""
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 from ..files import printable
 
@@ -13,8 +14,17 @@ def say(text: object = "", *, error: bool = False, flush: bool = False) -> None:
     stream is closed."""
     line = "\\n".join(printable(str(text)).split("\n"))
     stream = sys.stderr if error else sys.stdout
-    if stream is not None:
+    if stream is None:
+        return
+    try:
         print(line, file=stream, flush=flush)
+    except BrokenPipeError:  # nobody reads on
+        raise
+    except OSError as found:
+        from ..array_file import naming
+
+        with naming(Path(stream.name)):
+            raise found
 
 
 def complain(message: object) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
-from _commands import command
+from _commands import command, environment
 
 from stark.cli import VERBS
 from stark.recording import Recording
@@ -57,11 +59,27 @@ def test_wrong_usage(words, capsys) -> None:
             "unrecognized arguments: --untill 1; did you mean '--until'?",
         ),
         (("still", "out", "--camra=1,2,3"), "did you mean '--camera'?"),
+        (("run", "drop", "mass=2"), "unrecognized arguments: mass=2; did you mean '--option mass=2'?"),
     ],
 )
 def test_misspelt_verbs_and_options(words, hint: str, capsys) -> None:
     assert command(*words) == 2
     assert hint in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+def test_an_output_on_a_full_disk_is_named() -> None:
+    """[Errno 28] stood alone, as if it were that of a recording."""
+    with open("/dev/full", "w") as full:
+        ended = subprocess.run(
+            [sys.executable, "-m", "stark", "info"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            env=environment() | {"PYTHONUNBUFFERED": "1"},
+            text=True,
+        )
+    assert ended.returncode == 1
+    assert ended.stderr.startswith("stark: '<stdout>' cannot be written: No space left on device; make room")
 
 
 def test_help_lists_all_verbs(capsys) -> None:
