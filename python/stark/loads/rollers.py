@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.bodies import Cloth, Rod, Solid
-from stark.bodies.layers import Skin
+from stark.bodies.layers import Fibres, Skin
 from stark.formulas import Point, Triangle, Vec3, energy, parameter
 from stark.formulas.law_checks import Law
 from stark.formulas.material_law import MaterialLaw
 from stark.materials import SolidMaterial
-from stark.mesh import EmbeddedMesh
-from stark.selections import Points, Stencils
+from stark.mesh import EmbeddedMesh, Indices
+from stark.selections import Points, Stencils, stencils
 from stark.symbolic import Scalar, dot, squared_norm
 
 Floats = NDArray[np.float64]
@@ -77,7 +77,7 @@ class Directions(NamedTuple):
 
 
 class Slopes(NamedTuple):
-    """What ``slopes`` takes for the triangles of a cloth at a plane of symmetry."""
+    """What ``slopes`` takes for the triangles of cloths and skins at a plane of symmetry."""
 
     triangles: Stencils
     start: Floats
@@ -85,24 +85,21 @@ class Slopes(NamedTuple):
 
 
 def slopes_at(points: Points, normal: Floats) -> Slopes | None:
-    """The triangles with an edge between the points; None of bodies and cloths that do not bend."""
+    """The triangles of cloths, and of skins, with an edge between the points; None where none bends."""
     body: Any = points.body
     vertices = points._columns.get("vertices")
-    if not isinstance(body, Cloth) or vertices is None:
+    if not isinstance(body, (Cloth, Solid)) or vertices is None:
         return None
-    bending = _bending_of(body.material, len(body.triangles))
-    for skin in body.layers:
-        if isinstance(skin, Skin):
-            corners = np.sort(np.concatenate([body.triangles, skin.triangles]), axis=1)
-            number = np.unique(corners, axis=0, return_inverse=True)[1].ravel()
-            stiff = np.zeros(number.max() + 1)
-            np.add.at(stiff, number[len(bending) :], _bending_of(skin.material, len(skin.triangles)))
-            bending = bending + stiff[number[: len(bending)]]
-    inside = np.isin(body.triangles, vertices)
+    sheets: list[Any] = [body] if isinstance(body, Cloth) else []
+    sheets += [layer for layer in body.layers if isinstance(layer, Skin)]
+    if not sheets:
+        return None
+    triangles, bending = _one_sheet(sheets)
+    inside = np.isin(triangles, vertices)
     rows = np.flatnonzero((inside.sum(axis=1) == 2) & (bending > 0.0))
     if not len(rows):
         return None
-    x = body.vertices.positions[body.triangles[rows]]
+    x = body.vertices.positions[triangles[rows]]
     free = np.argmin(inside[rows], axis=1)  # the corner beyond the edge
     at = np.arange(len(rows))
     edge = np.linalg.norm(x[at, (free + 2) % 3] - x[at, (free + 1) % 3], axis=1)
@@ -111,13 +108,36 @@ def slopes_at(points: Points, normal: Floats) -> Slopes | None:
     # The triangle bends no edge of its own at the plane. Its slope is that of its middle, half its height
     # away, so this is the energy of its own curvature: D (2 slope/height)^2/2 times its area.
     stiffness = 2.0 * bending[rows] * edge**2 / double_area
-    return Slopes(body.faces[rows], areas @ normal / double_area, stiffness)
+    return Slopes(stencils(body, triangles[rows], "triangles"), areas @ normal / double_area, stiffness)
+
+
+def _one_sheet(sheets: list[Any]) -> tuple[Indices, Floats]:
+    """The triangles (n, 3) of sheets that lie on each other, each once, and their rigidities (n,) [N m]."""
+    triangles = np.concatenate([sheet.triangles for sheet in sheets])
+    bending = np.concatenate([_bending_of(sheet.material, len(sheet.triangles)) for sheet in sheets])
+    corners = np.sort(triangles, axis=1)
+    _, first, number = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    return triangles[first[order]], np.bincount(number.ravel(), weights=bending)[order]
 
 
 def _bending_of(material: Any, count: int) -> Floats:
     """Rigidity (count,) [N m] of the triangles of a sheet."""
     bending = np.maximum(material.flexural_rigidity, 3.0 * np.asarray(material.bending_stiffness))
     return np.broadcast_to(bending, count)
+
+
+def hinged_fibres(points: Points) -> list[str]:
+    """The fibres that bend and begin or end at the points: nothing holds their slopes there."""
+    vertices = points._columns.get("vertices")
+    if vertices is None:
+        return []
+    fibres = [layer for layer in getattr(points.body, "layers", ()) if isinstance(layer, Fibres)]
+    return [
+        layer.name
+        for layer in fibres
+        if layer.bending and (np.isin(layer.edges, vertices).sum(axis=1) == 1).any()
+    ]
 
 
 def directions_at(points: Points, normal: Floats) -> Directions | None:

@@ -254,8 +254,9 @@ class SceneLoads(SceneLink):
     ) -> Energy:
         """A plane of symmetry, across ``normal``, "x", "y", "z" or (3,), beyond which the other half of a
         cloth, a solid or a rod is left out. ``add_rollers`` for the points that lie in it, of which the
-        handle is returned; of cloths that bend and of rods also the slopes at it, which rollers leave free:
-        the energy that is called as the handle, with "slopes". Of a load on a node in the plane give half."""
+        handle is returned; of cloths and skins that bend and of rods also the slopes at it, which rollers
+        leave free: the energy that is called as the handle, with "slopes". Of a load on a node in the plane
+        give half."""
         from stark.loads import rollers
 
         owner = "symmetry" if name is None else f"symmetry '{name}'"
@@ -265,6 +266,11 @@ class SceneLoads(SceneLink):
             warn(
                 f"{owner}: its points are {depth:.3g} m apart along the normal: must lie in one plane of "
                 f"symmetry; choose those of the cut, or take scene.add_rollers for several planes"
+            )
+        for fibres in rollers.hinged_fibres(points):
+            warn(
+                f"{owner}: nothing holds the slopes of the fibres '{fibres}' at the plane, where they have "
+                f"hinges: must not bend there; simulate the whole body, or give bending=False"
             )
         load = self.add_rollers(points, normal, stiffness=stiffness, name=name)
         held = rollers.slopes_at(points, direction)
