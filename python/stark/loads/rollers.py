@@ -118,7 +118,8 @@ def _one_sheet(sheets: list[Any]) -> tuple[Indices, Floats]:
     corners = np.sort(triangles, axis=1)
     _, first, number = np.unique(corners, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)
-    return triangles[first[order]], np.bincount(number.ravel(), weights=bending)[order]
+    total: Floats = np.bincount(number.ravel(), weights=bending).astype(np.float64)
+    return triangles[first[order]], total[order]
 
 
 def _bending_of(material: Any, count: int) -> Floats:
