@@ -57,6 +57,22 @@ TEST_CASE("what positive coefficients can sum to is met") {
     CHECK(std::fabs(slope) < 1e-9);
 }
 
+TEST_CASE("fits from a start are as good, whatever the start") {
+  RandomPoints random(13);
+  for (int trial = 0; trial < 20; ++trial) {
+    std::vector<double> columns(5 * 12), b(5), start(12, 0.0);
+    for (double& x : columns) x = random.uniform(0.0, 1.0);
+    for (double& x : b) x = random.uniform(0.0, 1.0);
+    for (int k = 0; k < 4; ++k) start[3 * k] = random.uniform(0.0, 1.0);
+    const std::vector<double> c = nonnegative_fit(columns, b, start);
+    for (size_t k = 0; k < c.size(); ++k) {
+      const double slope = slopes_of(columns, b, c)[k];
+      CHECK(slope < 1e-9);
+      if (c[k] > 0.0) CHECK(std::fabs(slope) < 1e-9);
+    }
+  }
+}
+
 TEST_CASE("nothing fits what points away, and equal columns are taken once") {
   CHECK(nonnegative_fit(std::vector{1.0, 0.0, 0.0, 1.0}, std::vector{-1.0, -2.0}) == std::vector{0.0, 0.0});
   CHECK(nonnegative_fit(std::vector{1.0, 0.0}, std::vector{0.0, 0.0}) == std::vector{0.0});

@@ -93,29 +93,40 @@ std::vector<double> shape_integrals(const std::array<double, 27>& moments) {
   return result;
 }
 
-/// Candidates with positive weights, and what their integrals are off by.
-std::vector<QuadraturePoint> chosen(const Candidates& all, std::span<const double> integrals, double& error) {
-  const std::vector<double> weights = nonnegative_fit(all.shapes, integrals);
-  std::vector<double> missing(integrals.begin(), integrals.end());
-  std::vector<QuadraturePoint> rule;
-  for (size_t c = 0; c < weights.size(); ++c) {
-    if (!(weights[c] > 0.0)) continue;
-    rule.push_back({all.positions[c], weights[c]});
-    for (int a = 0; a < kNodes; ++a) missing[a] -= weights[c] * all.shapes[c * kNodes + a];
-  }
-  error = 0.0;
-  for (const double m : missing) error = std::max(error, std::fabs(m));
-  return rule;
+/// What the integrals of weighted candidates are off by.
+double error_of(const Candidates& all, std::span<const double> weights, std::vector<double> integrals) {
+  for (size_t c = 0; c < weights.size(); ++c)
+    for (int a = 0; a < kNodes; ++a) integrals[a] -= weights[c] * all.shapes[c * kNodes + a];
+  double error = 0.0;
+  for (const double missing : integrals) error = std::max(error, std::fabs(missing));
+  return error;
+}
+
+/// Weights of the same points among more candidates, of which each second one along an axis is there.
+std::vector<double> among_finer(const std::vector<double>& weights) {
+  constexpr int n = kCandidates[0], m = kCandidates[1];
+  static_assert(m == 2 * n - 1);
+  std::vector<double> result(static_cast<size_t>(m) * m * m, 0.0);
+  for (int z = 0; z < n; ++z)
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) result[(2 * z * m + 2 * y) * m + 2 * x] = weights[(z * n + y) * n + x];
+  return result;
 }
 
 /// Few of many points, with weights that have all moments [moment fitting: Mueller, Kummer, Oberlack 2013]:
 /// a solution with positive weights has no more points than there are moments.
 std::vector<QuadraturePoint> fitted_rule(const std::array<double, 27>& moments) {
-  static const std::array all{Candidates(kCandidates[0]), Candidates(kCandidates[1])};
+  static const Candidates coarse(kCandidates[0]), fine(kCandidates[1]);
   const std::vector<double> integrals = shape_integrals(moments);
-  double error = 0.0;
-  std::vector<QuadraturePoint> rule = chosen(all[0], integrals, error);
-  if (error > kEnough) rule = chosen(all[1], integrals, error);
+  const Candidates* all = &coarse;
+  std::vector<double> weights = nonnegative_fit(coarse.shapes, integrals);
+  if (error_of(coarse, weights, integrals) > kEnough) {
+    all = &fine;
+    weights = nonnegative_fit(fine.shapes, integrals, among_finer(weights));
+  }
+  std::vector<QuadraturePoint> rule;
+  for (size_t c = 0; c < weights.size(); ++c)
+    if (weights[c] > 0.0) rule.push_back({all->positions[c], weights[c]});
   double sum = 0.0;
   for (const QuadraturePoint& q : rule) sum += q.weight;
   for (QuadraturePoint& q : rule) q.weight /= sum;

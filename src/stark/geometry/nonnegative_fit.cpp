@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 namespace stark {
 
@@ -13,14 +15,19 @@ constexpr double kDependent = 1e-10;     ///< squared distance from the others, 
 
 class Fit {
  public:
-  Fit(std::span<const double> columns, std::span<const double> b)
-      : columns_(columns), b_(b), rows_(b.size()), coefficients_(columns.size() / b.size(), 0.0) {}
+  Fit(std::span<const double> columns, std::span<const double> b, std::vector<double> start)
+      : columns_(columns), b_(b), rows_(b.size()), coefficients_(std::move(start)) {
+    coefficients_.resize(columns.size() / rows_, 0.0);
+    for (size_t k = 0; k < coefficients_.size(); ++k) {
+      lengths_.push_back(std::sqrt(dot(column(k), column(k))));
+      if (coefficients_[k] > 0.0) in_.push_back(k);
+    }
+  }
 
   std::vector<double> run() {
     const size_t most_steps = 3 * coefficients_.size();
-    for (size_t step = 0; step < most_steps && add_steepest(); ++step)
-      while (!move()) {
-      }
+    if (solve()) settle();
+    for (size_t step = 0; step < most_steps && add_steepest(); ++step) settle();
     return std::move(coefficients_);
   }
 
@@ -35,16 +42,16 @@ class Fit {
 
   /// Takes in the column that lessens the error most, if one does and is independent of those that are in.
   bool add_steepest() {
+    if (in_.size() == rows_) return false;
     std::vector<double> error(b_.begin(), b_.end());
     for (const size_t k : in_)
       for (size_t i = 0; i < rows_; ++i) error[i] -= coefficients_[k] * column(k)[i];
-    const double scale = std::sqrt(dot(b_, b_));
+    const double least = kSmallestGain * std::sqrt(dot(b_, b_));
     std::vector<size_t> order;
     std::vector<double> slope(coefficients_.size(), 0.0);
     for (size_t k = 0; k < coefficients_.size(); ++k) {
       slope[k] = dot(column(k), error);
-      const double least = kSmallestGain * scale * std::sqrt(dot(column(k), column(k)));
-      if (slope[k] > least && std::ranges::find(in_, k) == in_.end()) order.push_back(k);
+      if (slope[k] > least * lengths_[k] && std::ranges::find(in_, k) == in_.end()) order.push_back(k);
     }
     std::ranges::stable_sort(order, std::greater(), [&](size_t k) { return slope[k]; });
     for (const size_t k : order) {
@@ -55,10 +62,15 @@ class Fit {
     return false;
   }
 
-  /// Goes to the best coefficients of the columns that are in, or as far as none is negative; those that
-  /// reach zero are out.
+  /// Goes to the best coefficients of the columns that are in, which solve() has found; without those that
+  /// would be negative.
+  void settle() {
+    while (!move() && solve()) {
+    }
+  }
+
+  /// As far as none is negative; those that reach zero are out. True: all of the way.
   bool move() {
-    if (!solve()) return true;
     double way = 1.0;
     size_t first = in_.size();  // the one that reaches zero first
     for (size_t i = 0; i < in_.size(); ++i) {
@@ -101,15 +113,16 @@ class Fit {
 
   std::span<const double> columns_, b_;
   size_t rows_;
-  std::vector<double> coefficients_;
+  std::vector<double> coefficients_, lengths_;
   std::vector<size_t> in_;      ///< columns whose coefficients are free
   std::vector<double> wanted_;  ///< by place in in_
 };
 
 }  // namespace
 
-std::vector<double> nonnegative_fit(std::span<const double> columns, std::span<const double> b) {
-  return Fit(columns, b).run();
+std::vector<double> nonnegative_fit(std::span<const double> columns, std::span<const double> b,
+                                    std::vector<double> start) {
+  return Fit(columns, b, std::move(start)).run();
 }
 
 }  // namespace stark
