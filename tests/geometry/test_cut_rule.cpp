@@ -13,7 +13,7 @@ using namespace stark::test;
 
 namespace {
 
-constexpr double kEvenly = 0.002;  // of an empty cell is mixed in
+constexpr double kEvenly = 0.0005;  // of an empty cell is mixed in
 /// What moments of thin fillings that lie between candidates of points are off by: those are up to 0.23
 /// apart.
 constexpr double kBetween = 2e-4, kOfPoints = 0.01;

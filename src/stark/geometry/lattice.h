@@ -15,6 +15,6 @@ namespace stark {
 SolidMesh make_lattice(const TriangleMesh& surface, double cell_size, bool quadratic = false);
 
 /// Reference coordinates of the points, [0, 1)^3, at which cells are asked whether they are inside.
-inline constexpr int kFillingSamples = 256;
+inline constexpr int kFillingSamples = 512;
 
 }  // namespace stark
