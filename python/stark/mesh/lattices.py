@@ -36,12 +36,12 @@ def lattice(
     nodes, 2: triquadratic ones of 27. With ``split`` edges of the surface that are longer than the distance
     of nodes are split, so that it can bend as the cells do; contact acts at its vertices, so finer is better.
     Inside is where the winding number is above one half: the surface may have holes and overlap itself, but
-    where it is to collide it must not cross itself at the start. The volume of a closed surface is met
-    exactly, that of others by samples. Pieces that share a cell are joined by it. What was made is added to
-    ``report``.
+    where it is to collide it must not cross itself at the start. The volume of a closed surface without
+    overlaps is met exactly, that of others by samples. Pieces that share a cell are joined by it. What was
+    made is added to ``report``.
 
     Raises InvalidArgument for values out of range and more than two million cells, InvalidMesh for vertices
-    that are not finite and surfaces that enclose nothing."""
+    that are not finite and surfaces that enclose nothing, or next to nothing of any cell."""
     given = as_triangle_mesh(surface, "lattice")
     corners_of(given.vertices, given.triangles, "lattice: triangles")
     if not np.isfinite(given.vertices).all():

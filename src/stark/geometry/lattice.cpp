@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include <stark/base/error.h>
@@ -20,8 +21,13 @@ constexpr int64_t kMostCells = 2'000'000;
 /// Least part of a cell that counts as filled: vertices in emptier ones would hang on next to nothing.
 constexpr double kLeastPart = 0.01;
 
-/// Correction of parts to the exact volume beyond which the surface does not enclose it: it overlaps itself.
-constexpr double kLargestCorrection = 0.5;
+/// How far a vertex may be from a cell that is still its own, in cells: rounding.
+constexpr double kRounding = 1e-8;
+
+/// Odds of parts are changed by at most this factor, or its inverse, for the exact volume: less of a part
+/// would hold its vertices too loosely.
+constexpr double kMostOdds = 4.0;
+constexpr int kOddsSteps = 100;
 
 /// Where the cells are. A cell is known by its place, x fastest.
 struct Grid {
@@ -147,19 +153,12 @@ class Filler {
         grid_(grid),
         winding_(surface.vertices, surface.triangles),
         samples_(sample_points()),
-        at_surface_(cells_at_surface(grid, surface)),
-        of_vertices_(grid.cell_count()) {
-    for (const Vec3& v : surface.vertices) {
-      const Index3 c = grid.cell_of(v);
-      of_vertices_[grid.at(c)].add((v - grid.corner(c)) / grid.size);
-    }
-  }
+        at_surface_(cells_at_surface(grid, surface)) {}
 
-  /// Nothing: the cell is not needed.
+  /// Nothing: no sample of the cell is inside.
   std::optional<CellFilling> fill(const Index3& cell) {
     const Vec3 corner = grid_.corner(cell);
-    const int64_t number = grid_.at(cell);
-    if (!at_surface_[number]) {
+    if (!at_surface_[grid_.at(cell)]) {
       if (!is_inside(corner + Vec3{0.5, 0.5, 0.5} * grid_.size)) return {};
       return CellFilling{};
     }
@@ -168,11 +167,12 @@ class Filler {
       if (is_inside(corner + s * grid_.size)) inside.add(s);
     if (inside.count() == kFillingSamples) return CellFilling{};
     if (inside.count() > 0.0) return inside.filling(std::max(kLeastPart, inside.count() / kFillingSamples));
-    if (of_vertices_[number].count() > 0.0) return of_vertices_[number].filling(kLeastPart);
     return {};
   }
 
   bool found_inside() const { return largest_ > 0.5; }
+  /// Some of what is inside is so twice, or the surface is inside out somewhere.
+  bool found_overlap() const { return largest_ > 1.5 || smallest_ < -0.5; }
   std::string range_text() const { return to_text(smallest_) + " and " + to_text(largest_); }
   bool is_inside_out() const { return smallest_ < -0.5; }
 
@@ -189,31 +189,73 @@ class Filler {
   WindingNumber winding_;
   std::vector<Vec3> samples_;
   std::vector<char> at_surface_;
-  std::vector<Moments> of_vertices_;
   double largest_ = 0.0, smallest_ = 0.0;
 };
 
-/// Shifts the parts of cells that are neither full nor empty so that they sum to the exact volume, if the
-/// surface is closed.
-void correct_volume(const TriangleMesh& surface, double cell_volume, std::vector<CellFilling>& fillings) {
-  if (!is_closed(surface.triangles) || !is_orientation_consistent(surface.triangles)) return;
-  double exact = 0.0;
-  const Vec3 from = surface.vertices[0];
-  for (const auto& [i, j, k] : surface.triangles)
-    exact +=
-        dot(surface.vertices[i] - from, cross(surface.vertices[j] - from, surface.vertices[k] - from)) / 6.0;
-  double total = 0.0, room = 0.0;
-  for (const CellFilling& f : fillings) {
-    total += f.part();
-    room += f.part() * (1.0 - f.part());
+/// The cell of each vertex. Of those that a vertex on their common face touches, it is the first one that is
+/// filled.
+std::vector<Index3> cells_of_vertices(const Grid& grid, const TriangleMesh& surface,
+                                      const std::vector<char>& is_filled) {
+  std::vector<Index3> result;
+  const auto nudged = [&](const Vec3& v, int corner) {
+    const double by = kRounding * grid.size;
+    return v + Vec3{corner & 1 ? by : -by, corner & 2 ? by : -by, corner & 4 ? by : -by};
+  };
+  for (const Vec3& v : surface.vertices) {
+    Index3 cell = grid.cell_of(v);
+    for (int corner = 0; corner < 8 && !is_filled[grid.at(cell)]; ++corner)
+      if (const Index3 other = grid.cell_of(nudged(v, corner)); is_filled[grid.at(other)]) cell = other;
+    result.push_back(cell);
   }
-  const double correction = room > 0.0 ? (exact / cell_volume - total) / room : 0.0;
-  if (std::fabs(correction) > kLargestCorrection) return;
-  for (CellFilling& f : fillings) scale(f, 1.0 + correction * (1.0 - f.part()));
+  return result;
 }
 
-void require_inside(const Filler& filler) {
+/// Cells without a sample inside that hold vertices: they count as filled where those are.
+void fill_at_vertices(const Grid& grid, const TriangleMesh& surface, const std::vector<Index3>& of_vertices,
+                      std::map<int64_t, CellFilling>& fillings) {
+  std::map<int64_t, Moments> found;
+  for (size_t v = 0; v < of_vertices.size(); ++v)
+    if (const int64_t cell = grid.at(of_vertices[v]); !fillings.contains(cell))
+      found[cell].add((surface.vertices[v] - grid.corner(of_vertices[v])) / grid.size);
+  for (const auto& [cell, moments] : found) fillings.emplace(cell, moments.filling(kLeastPart));
+}
+
+bool encloses_a_volume(const TriangleMesh& surface) {
+  return is_closed(surface.triangles) && is_orientation_consistent(surface.triangles);
+}
+
+double enclosed_volume(const TriangleMesh& surface) {
+  double volume = 0.0;
+  const Vec3 from = surface.vertices[0];
+  for (const auto& [i, j, k] : surface.triangles)
+    volume +=
+        dot(surface.vertices[i] - from, cross(surface.vertices[j] - from, surface.vertices[k] - from)) / 6.0;
+  return volume;
+}
+
+/// Multiplies the odds p / (1 - p) of the parts p that are neither full nor empty by one factor, with which
+/// they sum to the volume [cells]. Small changes are in proportion to p (1 - p).
+void correct_volume(double volume, std::vector<CellFilling>& fillings) {
+  const auto changed = [](double part, double odds) { return odds * part / (1.0 - part + odds * part); };
+  double low = -std::log(kMostOdds), high = std::log(kMostOdds);
+  for (int step = 0; step < kOddsSteps; ++step) {
+    const double middle = 0.5 * (low + high), odds = std::exp(middle);
+    double total = 0.0;
+    for (const CellFilling& f : fillings) total += changed(f.part(), odds);
+    (total < volume ? low : high) = middle;
+  }
+  const double odds = std::exp(0.5 * (low + high));
+  for (CellFilling& f : fillings)
+    if (!f.is_full()) scale(f, changed(f.part(), odds) / f.part());
+}
+
+void require_inside(const Filler& filler, const TriangleMesh& surface, double cell_size) {
   if (filler.found_inside()) return;
+  if (!filler.is_inside_out() && encloses_a_volume(surface) && enclosed_volume(surface) > 0.0)
+    throw InvalidMesh("lattice: cell_size = " + quantity_text(cell_size, "m") + ": none of the " +
+                      std::to_string(kFillingSamples) +
+                      " samples of each cell is inside of the surface: must be so in some; it is much "
+                      "thinner than a cell, use smaller cells");
   throw InvalidMesh("lattice: winding numbers of the surface are between " + filler.range_text() +
                     " and nowhere above 0.5: must be so inside; " +
                     (filler.is_inside_out()
@@ -228,6 +270,19 @@ SolidMesh make_lattice(const TriangleMesh& surface, double cell_size, bool quadr
   check(surface, cell_size);
   const Grid grid = grid_around(surface, cell_size);
   Filler filler(surface, grid);
+  std::map<int64_t, CellFilling> fillings;
+  std::vector<char> is_filled(grid.cell_count(), 0);
+  for (int32_t z = 0; z < grid.count[2]; ++z)
+    for (int32_t y = 0; y < grid.count[1]; ++y)
+      for (int32_t x = 0; x < grid.count[0]; ++x)
+        if (const std::optional<CellFilling> filling = filler.fill({x, y, z})) {
+          fillings.emplace(grid.at({x, y, z}), *filling);
+          is_filled[grid.at({x, y, z})] = 1;
+        }
+  require_inside(filler, surface, cell_size);
+  const std::vector<Index3> of_vertices = cells_of_vertices(grid, surface, is_filled);
+  fill_at_vertices(grid, surface, of_vertices, fillings);
+
   const auto node = [&](int32_t x, int32_t y, int32_t z) {
     return (int64_t{z} * (grid.count[1] + 1) + y) * (grid.count[0] + 1) + x;
   };
@@ -238,10 +293,10 @@ SolidMesh make_lattice(const TriangleMesh& surface, double cell_size, bool quadr
   for (int32_t z = 0; z < grid.count[2]; ++z)
     for (int32_t y = 0; y < grid.count[1]; ++y)
       for (int32_t x = 0; x < grid.count[0]; ++x) {
-        const std::optional<CellFilling> filling = filler.fill({x, y, z});
-        if (!filling) continue;
-        element_at[grid.at({x, y, z})] = static_cast<int32_t>(mesh.embedding.fillings.size());
-        mesh.embedding.fillings.push_back(*filling);
+        const auto filling = fillings.find(grid.at({x, y, z}));
+        if (filling == fillings.end()) continue;
+        element_at[filling->first] = static_cast<int32_t>(mesh.embedding.fillings.size());
+        mesh.embedding.fillings.push_back(filling->second);
         for (const int32_t k : {z, z + 1})
           for (const auto& [i, j] :
                {Index2{x, y}, Index2{x + 1, y}, Index2{x + 1, y + 1}, Index2{x, y + 1}}) {
@@ -253,14 +308,14 @@ SolidMesh make_lattice(const TriangleMesh& surface, double cell_size, bool quadr
             mesh.elements.push_back(v);
           }
       }
-  require_inside(filler);
-  correct_volume(surface, cell_size * cell_size * cell_size, mesh.embedding.fillings);
+  if (encloses_a_volume(surface) && !filler.found_overlap())
+    correct_volume(enclosed_volume(surface) / (cell_size * cell_size * cell_size), mesh.embedding.fillings);
   Embedding embedding = std::move(mesh.embedding);
   if (quadratic)
     mesh = to_quadratic(SolidMesh(std::move(mesh.vertices), mesh.type, std::move(mesh.elements)));
   const auto first = static_cast<int32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), surface.vertices.begin(), surface.vertices.end());
-  for (const Vec3& v : surface.vertices) embedding.elements.push_back(element_at[grid.at(grid.cell_of(v))]);
+  for (const Index3& cell : of_vertices) embedding.elements.push_back(element_at[grid.at(cell)]);
   for (const auto& [i, j, k] : surface.triangles)
     embedding.triangles.push_back({first + i, first + j, first + k});
   mesh.embedding = std::move(embedding);

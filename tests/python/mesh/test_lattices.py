@@ -68,6 +68,35 @@ def test_cells_are_along_the_longest_side_and_only_where_the_body_is() -> None:
     assert middle.min() > 0.15  # nothing in the hole
 
 
+@pytest.mark.parametrize("turned", [0.0, np.pi / 2, np.pi, -np.pi / 2])
+def test_faces_on_faces_of_cells_fill_no_cells_beyond(turned: float) -> None:
+    """A step of whole cells, whichever way it looks: no layer of cells that its vertices only touch."""
+    base, block = stark.mesh.box((0.8, 0.4, 0.3)), stark.mesh.box((0.3, 0.4, 0.5))
+    step = stark.mesh.joined([base, block.translated((-0.25, 0.0, 0.4))])
+    for axis in ("x", "y", "z"):
+        mesh = lattice(step.rotated(stark.rotation(axis=axis, angle=turned)), cell_size=0.1)
+        assert len(mesh.elements) == 8 * 4 * 3 + 3 * 4 * 5 and (mesh.filling[:, 0] == 1.0).all()
+
+
+def test_what_overlaps_is_filled_once() -> None:
+    """Also where little does: the surface encloses it twice."""
+    for overlap in (0.3, 0.05, 0.02):
+        pair = stark.mesh.joined([stark.mesh.box(1.0), stark.mesh.box(1.0).translated((1.0 - overlap, 0, 0))])
+        assert pair.volume == pytest.approx(2.0)
+        assert lattice(pair, cell_size=0.19).volume == pytest.approx(2.0 - overlap, abs=4e-3)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_what_is_much_thinner_than_a_cell_weighs_what_it_does(order: int) -> None:
+    plate = stark.mesh.box((1.0, 1.0, 5e-4))
+    for angle in (0.0, 0.7):
+        turned = plate.rotated(stark.rotation(axis=(1, 2, 3), angle=angle))
+        mesh = lattice(turned, cell_size=0.1, order=order)
+        assert mesh.volume == pytest.approx(plate.volume, rel=1e-9)
+    with pytest.raises(stark.InvalidMesh, match="is much thinner than a cell, use smaller cells"):
+        lattice(stark.mesh.box((1.0, 1.0, 1e-4)), cell_size=0.1, order=order)
+
+
 def test_holes_leave_an_inside() -> None:
     ball = stark.mesh.sphere(0.1, 4)
     open_ball = stark.mesh.compact(
