@@ -9,6 +9,7 @@
 
 #include <stark/base/error.h>
 #include <stark/base/settings.h>
+#include <stark/base/thread_pool.h>
 #include <stark/geometry/topology.h>
 #include <stark/geometry/winding_number.h>
 
@@ -146,17 +147,58 @@ struct Moments {
   static double power(double x, int n) { return n == 0 ? 1.0 : n == 1 ? x : x * x; }
 };
 
+/// Winding numbers that were seen.
+struct Range {
+  double smallest = 0.0, largest = 0.0;
+  void add(double number) {
+    largest = std::max(largest, number);
+    smallest = std::min(smallest, number);
+  }
+};
+
 class Filler {
  public:
   Filler(const TriangleMesh& surface, const Grid& grid)
-      : surface_(surface),
-        grid_(grid),
+      : grid_(grid),
         winding_(surface.vertices, surface.triangles),
         samples_(sample_points()),
         at_surface_(cells_at_surface(grid, surface)) {}
 
+  /// Cells with samples inside, by their place. Each row of cells is a task of its own.
+  std::map<int64_t, CellFilling> fill() {
+    const int64_t rows = int64_t{grid_.count[1]} * grid_.count[2];
+    std::vector<Range> ranges(rows);
+    std::vector<std::vector<std::pair<int64_t, CellFilling>>> found(rows);
+    ThreadPool pool(usable_threads(0));
+    pool.for_each_task(rows, [&](int64_t row, int) {
+      Index3 cell{0, static_cast<int32_t>(row % grid_.count[1]), static_cast<int32_t>(row / grid_.count[1])};
+      for (; cell[0] < grid_.count[0]; ++cell[0])
+        if (const std::optional<CellFilling> filling = fill(cell, ranges[row]))
+          found[row].emplace_back(grid_.at(cell), *filling);
+    });
+    std::map<int64_t, CellFilling> fillings;
+    for (int64_t row = 0; row < rows; ++row) {
+      fillings.insert(found[row].begin(), found[row].end());
+      range_.add(ranges[row].smallest);
+      range_.add(ranges[row].largest);
+    }
+    return fillings;
+  }
+
+  bool found_inside() const { return range_.largest > 0.5; }
+  /// Some of what is inside is so twice, or the surface is inside out somewhere.
+  bool found_overlap() const { return range_.largest > 1.5 || is_inside_out(); }
+  std::string range_text() const { return to_text(range_.smallest) + " and " + to_text(range_.largest); }
+  bool is_inside_out() const { return range_.smallest < -0.5; }
+
+ private:
   /// Nothing: no sample of the cell is inside.
-  std::optional<CellFilling> fill(const Index3& cell) {
+  std::optional<CellFilling> fill(const Index3& cell, Range& range) const {
+    const auto is_inside = [&](const Vec3& x) {
+      const double number = winding_.at(x);
+      range.add(number);
+      return number > 0.5;
+    };
     const Vec3 corner = grid_.corner(cell);
     if (!at_surface_[grid_.at(cell)]) {
       if (!is_inside(corner + Vec3{0.5, 0.5, 0.5} * grid_.size)) return {};
@@ -170,26 +212,11 @@ class Filler {
     return {};
   }
 
-  bool found_inside() const { return largest_ > 0.5; }
-  /// Some of what is inside is so twice, or the surface is inside out somewhere.
-  bool found_overlap() const { return largest_ > 1.5 || smallest_ < -0.5; }
-  std::string range_text() const { return to_text(smallest_) + " and " + to_text(largest_); }
-  bool is_inside_out() const { return smallest_ < -0.5; }
-
- private:
-  bool is_inside(const Vec3& x) {
-    const double number = winding_.at(x);
-    largest_ = std::max(largest_, number);
-    smallest_ = std::min(smallest_, number);
-    return number > 0.5;
-  }
-
-  const TriangleMesh& surface_;
   const Grid& grid_;
   WindingNumber winding_;
   std::vector<Vec3> samples_;
   std::vector<char> at_surface_;
-  double largest_ = 0.0, smallest_ = 0.0;
+  Range range_;
 };
 
 /// The cell of each vertex. Of those that a vertex on their common face touches, it is the first one that is
@@ -270,15 +297,9 @@ SolidMesh make_lattice(const TriangleMesh& surface, double cell_size, bool quadr
   check(surface, cell_size);
   const Grid grid = grid_around(surface, cell_size);
   Filler filler(surface, grid);
-  std::map<int64_t, CellFilling> fillings;
+  std::map<int64_t, CellFilling> fillings = filler.fill();
   std::vector<char> is_filled(grid.cell_count(), 0);
-  for (int32_t z = 0; z < grid.count[2]; ++z)
-    for (int32_t y = 0; y < grid.count[1]; ++y)
-      for (int32_t x = 0; x < grid.count[0]; ++x)
-        if (const std::optional<CellFilling> filling = filler.fill({x, y, z})) {
-          fillings.emplace(grid.at({x, y, z}), *filling);
-          is_filled[grid.at({x, y, z})] = 1;
-        }
+  for (const auto& [cell, filling] : fillings) is_filled[cell] = 1;
   require_inside(filler, surface, cell_size);
   const std::vector<Index3> of_vertices = cells_of_vertices(grid, surface, is_filled);
   fill_at_vertices(grid, surface, of_vertices, fillings);

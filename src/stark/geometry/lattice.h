@@ -16,6 +16,6 @@ namespace stark {
 SolidMesh make_lattice(const TriangleMesh& surface, double cell_size, bool quadratic = false);
 
 /// Reference coordinates of the points, [0, 1)^3, at which cells are asked whether they are inside.
-inline constexpr int kFillingSamples = 512;
+inline constexpr int kFillingSamples = 1024;
 
 }  // namespace stark
