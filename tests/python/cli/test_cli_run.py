@@ -308,7 +308,7 @@ def test_a_run_records_fields_for_its_page(fall: Path, tmp_path: Path, capsys) -
 
 def test_a_run_needs_no_standard_error_output(tmp_path: Path) -> None:
     """Services close it; the run ended with an error of Python then."""
-    words = 'exec "$0" -m stark run drop --until 0.02 --no-picture --no-replay --out "$1" 2>&-'
+    words = 'exec "$0" -m stark run hello_cloth --until 0.02 --no-picture --no-replay --out "$1" 2>&-'
     arguments = ["sh", "-c", words, sys.executable, str(tmp_path / "run")]
     ended = subprocess.run(arguments, stdout=subprocess.PIPE, env=environment())
     assert ended.returncode == 0 and b"0.02 s simulated" in ended.stdout
