@@ -10,6 +10,7 @@ import numpy as np
 from stark import _core
 from stark._core import InvalidArgument, InvalidMesh
 from stark.arguments import given_flag
+from stark.caller import warn
 from stark.mesh.arguments import Indices, Points, corners_of, count_of, positive
 from stark.mesh.conversion import as_triangle_mesh
 from stark.mesh.report import MeshReport
@@ -17,6 +18,9 @@ from stark.mesh.types import EmbeddedMesh, TriangleMesh, compact
 
 #: Most triangles that splitting long edges may make.
 _MOST_TRIANGLES = 2_000_000
+
+#: Mean thickness in cells below which bodies bend much too stiffly.
+_THINNEST = 0.25
 
 
 def lattice(
@@ -57,9 +61,20 @@ def lattice(
         given.vertices, given.triangles, size, order == 2
     )
     mesh = EmbeddedMesh(vertices, elements, triangles, of_vertices, filling)
+    _warn_of_thin(mesh, given, size)
     if report is not None:
         _tell(mesh, given, size, report)
     return mesh
+
+
+def _warn_of_thin(mesh: EmbeddedMesh, surface: TriangleMesh, size: float) -> None:
+    thickness = 2.0 * mesh.volume / surface.area
+    if thickness < _THINNEST * size:
+        warn(
+            f"lattice: the surface is {thickness:.3g} m thick in the mean (twice its volume over its area), "
+            f"{thickness / size:.2g} of a cell: must be {_THINNEST:g} at least, or it bends several times "
+            f"too stiffly; use cells of {thickness / _THINNEST:.3g} m or less, or add_cloth for sheets"
+        )
 
 
 def _size(surface: TriangleMesh, cells: int | None, cell_size: float | None) -> float:

@@ -3,6 +3,7 @@ surfaces, the same bits."""
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -104,6 +105,31 @@ def test_a_beam_across_the_lattice_bends_as_one_with_quadratic_cells() -> None:
     coarse, fine = beam_tip(0.1, 2), beam_tip(0.05, 2)
     assert coarse == pytest.approx(1.0, abs=0.03)  # four cells around the middle, each filled by a third
     assert fine == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize(("part", "least", "most"), [(0.5, 1.05, 1.15), (0.2, 1.05, 1.15), (0.1, 2.0, 3.5)])
+def test_plates_thinner_than_cells_are_too_stiff_as_the_guide_says(
+    part: float, least: float, most: float
+) -> None:
+    """docs/meshes.md, Lattices: a strip of 1 x 0.2 m across cells of 0.1 m."""
+    length, width, thickness, modulus = 1.0, 0.2, 0.1 * part, 1e7
+    turn = stark.rotation(axis="x", angle=0.4)
+    surface = stark.mesh.box((length, width, thickness)).rotated(turn)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        mesh = lattice(surface, cell_size=0.1, order=2)
+    rigidity = modulus * thickness**2 / 12  # over the thickness, as the load is
+    pull = 0.02 * 8 * rigidity / (1000.0 * length**3)
+    scene = stark.Scene()
+    held = np.flatnonzero(mesh.vertices[: mesh.node_count, 0] < -0.4999 * length)
+    rubber = stark.SolidMaterial(youngs_modulus=modulus, poissons_ratio=1e-6, density=1000.0)
+    body = scene.add_solid(mesh, rubber, pins=held)
+    sim = stark.Simulation(scene, gravity=turn @ (0.0, 0.0, -pull), **STATIC)
+    assert not sim.step().failed
+    end = mesh.vertices[:, 0] > 0.4999 * length
+    end[: mesh.node_count] = False
+    sunk = ((mesh.vertices - body.positions)[end] @ turn[:, 2]).mean()
+    assert least < 0.02 * length / sunk < most
 
 
 @pytest.mark.slow
