@@ -75,7 +75,8 @@ TEST_CASE("second moments of a body not aligned with the lattice are exact but f
     }
     errors.push_back(std::fabs(moment / volume / (0.05) - 1.0));
   }
-  // Of 1,024 points in each cell that is cut, and of the polyhedron, which is 2e-4 lighter far out than a ball.
+  // Of 1,024 points in each cell that is cut, and of the polyhedron, which is 2e-4 lighter far out than a
+  // ball.
   for (const double error : errors) CHECK(error < 2e-3);
 }
 

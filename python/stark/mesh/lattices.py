@@ -19,8 +19,8 @@ from stark.mesh.types import EmbeddedMesh, TriangleMesh, compact
 #: Most triangles that splitting long edges may make.
 _MOST_TRIANGLES = 2_000_000
 
-#: Mean thickness in cells below which bodies bend much too stiffly.
-_THINNEST = 0.25
+#: Mean thickness in cells, by order, below which bodies bend much too stiffly.
+_THINNEST = {1: 0.25, 2: 0.125}
 
 
 def lattice(
@@ -61,19 +61,19 @@ def lattice(
         given.vertices, given.triangles, size, order == 2
     )
     mesh = EmbeddedMesh(vertices, elements, triangles, of_vertices, filling)
-    _warn_of_thin(mesh, given, size)
+    _warn_of_thin(mesh, given, size, _THINNEST[order])
     if report is not None:
         _tell(mesh, given, size, report)
     return mesh
 
 
-def _warn_of_thin(mesh: EmbeddedMesh, surface: TriangleMesh, size: float) -> None:
+def _warn_of_thin(mesh: EmbeddedMesh, surface: TriangleMesh, size: float, thinnest: float) -> None:
     thickness = 2.0 * mesh.volume / surface.area
-    if thickness < _THINNEST * size:
+    if thickness < thinnest * size:
         warn(
             f"lattice: the surface is {thickness:.3g} m thick in the mean (twice its volume over its area), "
-            f"{thickness / size:.2g} of a cell: must be {_THINNEST:g} at least, or it bends several times "
-            f"too stiffly; use cells of {thickness / _THINNEST:.3g} m or less, or add_cloth for sheets"
+            f"{thickness / size:.2g} of a cell: must be {thinnest:g} at least, or it bends too stiffly; "
+            f"use cells of {thickness / thinnest:.3g} m or less, or add_cloth for sheets"
         )
 
 

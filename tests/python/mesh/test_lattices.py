@@ -92,7 +92,8 @@ def test_what_is_much_thinner_than_a_cell_weighs_what_it_does(order: int) -> Non
     for angle in (0.0, 0.7):
         turned = plate.rotated(stark.rotation(axis=(1, 2, 3), angle=angle))
         with pytest.warns(
-            stark.StarkWarning, match="0.0005 m thick in the mean .*, 0.005 of a cell: must be 0.25"
+            stark.StarkWarning,
+            match="0.0005 m thick in the mean .*, 0.005 of a cell: must be 0.(25|125)",
         ):
             mesh = lattice(turned, cell_size=0.1, order=order)
         assert mesh.volume == pytest.approx(plate.volume, rel=1e-9)
