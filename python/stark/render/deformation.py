@@ -67,11 +67,19 @@ def at_vertices(deformation: Deformation, values: np.ndarray, count: int) -> np.
 
 
 def at_body(body: Any, deformation: Deformation, values: np.ndarray) -> np.ndarray:
-    """At all vertices of a body, as ``at_vertices``; embedded ones have what their cells have there."""
+    """At all vertices of a body, as ``at_vertices``; embedded ones have what their cells have there, nodes
+    of no full cell the mean of those in their cells: what cells have beyond the surface is of no material."""
     mesh, count = body.mesh, len(body.positions)
     if not isinstance(mesh, meshes.EmbeddedMesh):
         return at_vertices(deformation, values, count)
-    return mesh.carried(at_vertices(deformation, values, mesh.node_count))
+    found = mesh.carried(at_vertices(deformation, values, mesh.node_count))
+    around = mesh.elements[mesh.cells]  # of each embedded vertex
+    shown = found[mesh.node_count :, None]
+    near = np.ones(len(around))
+    mean = at_vertices(Deformation(np.empty(0), around, near), shown, mesh.node_count)
+    loose = np.setdiff1d(around, mesh.elements[mesh.filling[:, 0] >= 1.0])
+    found[loose] = mean[loose]
+    return found
 
 
 @functools.cache

@@ -34,7 +34,8 @@ def tensor_values(sim: Any, name: str, bodies: Any = None, *, at: str = "vertice
     world. ``bodies`` are the only ones to look at, by handle, name or pattern.
 
     - "stress" [Pa]: Cauchy stress, (n, 3, 3) at vertices, the mean over the elements there weighted by their
-      volumes; ``at="elements"``: (m, k, 3, 3), of each element at its k nodes, k = 1 where it is constant.
+      volumes; ``at="elements"``: (m, k, 3, 3), of each element at its k nodes, k = 1 where it is constant;
+      nodes of cut cells of a lattice may be beyond its surface, where only its polynomials are.
     - "deformation_gradient" [1]: (m, k, 3, d) of elements alone; d = 3 of solids, 2 of cloth, whose first
       axis at rest is the first edge of each triangle, or its warp direction.
 
