@@ -125,7 +125,8 @@ def test_stress_of_a_bent_lattice_is_that_of_a_beam_also_at_nodes_beyond_its_sur
     beyond = np.clip(0.5 * length - x[:, 0], 0.0, length)
     exact = 1000.0 * g * width**2 * beyond**2 / 2 * np.abs(x[:, 2]) / (width**4 / 12)
     shown = (np.arange(len(x)) >= mesh.node_count) & (np.abs(x[:, 0]) < 0.3)
-    np.testing.assert_allclose(stress[shown], exact[shown], atol=0.07 * exact[shown].max())
+    off = (stress[shown] - exact[shown]) / exact[shown].max()
+    assert np.sqrt((off**2).mean()) < 0.02 and np.abs(off).max() < 0.1  # single vertices are in slivers
     middle = np.abs(x[:, 0]) < 0.3
     assert stress[middle].max() < 1.1 * exact[shown].max()
 
