@@ -151,7 +151,12 @@ def _tell(mesh: EmbeddedMesh, surface: TriangleMesh, size: float, report: MeshRe
         f"{len(mesh.elements)} cells of {size:.3g} m, {cut} of them at the surface, {mesh.node_count} nodes, "
         f"{math.ceil(thinnest)} cells along the shortest side",
     )
-    exact = f" of {surface.volume:.6g} m^3 inside of the surface" if surface.is_closed else ", by samples"
+    enclosed = surface.volume if surface.is_closed else math.nan
+    exact = ", by samples"
+    if abs(mesh.volume - enclosed) < 1e-6 * mesh.volume:
+        exact = f" of {enclosed:.6g} m^3 inside of the surface"
+    elif surface.is_closed:
+        exact += f"; its triangles enclose {enclosed:.6g} m^3, what overlaps more than once"
     report.add("volume", len(mesh.elements), f"{mesh.volume:.6g} m^3{exact}")
     kind = "closed" if surface.is_closed else "open"
     report.add(
