@@ -19,8 +19,11 @@ from stark.mesh.types import EmbeddedMesh, TriangleMesh, compact
 #: Most triangles that splitting long edges may make.
 _MOST_TRIANGLES = 2_000_000
 
-#: Mean thickness in cells, by order, below which bodies bend much too stiffly.
-_THINNEST = {1: 0.25, 2: 0.125}
+#: Mean thickness in cells below which slender bodies bend much too stiffly, by order.
+_THINNEST = {1: 0.4, 2: 0.125}
+
+#: Longest side over the mean thickness of slender bodies: of a cube 3.
+_SLENDER = 10.0
 
 
 def lattice(
@@ -69,7 +72,8 @@ def lattice(
 
 def _warn_of_thin(mesh: EmbeddedMesh, surface: TriangleMesh, size: float, thinnest: float) -> None:
     thickness = 2.0 * mesh.volume / surface.area
-    if thickness < thinnest * size:
+    longest = float((surface.bounds[1] - surface.bounds[0]).max())
+    if thickness < thinnest * size and longest > _SLENDER * thickness:
         warn(
             f"lattice: the surface is {thickness:.3g} m thick in the mean (twice its volume over its area), "
             f"{thickness / size:.2g} of a cell: must be {thinnest:g} at least, or it bends too stiffly; "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -96,12 +97,33 @@ def test_what_is_much_thinner_than_a_cell_weighs_what_it_does(order: int) -> Non
         turned = plate.rotated(stark.rotation(axis=(1, 2, 3), angle=angle))
         with pytest.warns(
             stark.StarkWarning,
-            match="0.0005 m thick in the mean .*, 0.005 of a cell: must be 0.(25|125)",
+            match="0.0005 m thick in the mean .*, 0.005 of a cell: must be 0.(4|125)",
         ):
             mesh = lattice(turned, cell_size=0.1, order=order)
         assert mesh.volume == pytest.approx(plate.volume, rel=1e-9)
     with pytest.raises(stark.InvalidMesh, match="is much thinner than a cell, use smaller cells"):
         lattice(stark.mesh.box((1.0, 1.0, 1e-5)), cell_size=0.1, order=order)
+
+
+@pytest.mark.parametrize(
+    ("size", "order", "warns"),
+    [
+        ((0.5, 0.5, 0.03), 1, True),  # a plate of three tenths of a cell
+        ((0.5, 0.5, 0.03), 2, False),
+        ((0.5, 0.5, 0.01), 2, True),
+        ((0.5, 0.05, 0.05), 1, True),  # a beam of half a cell
+        ((0.5, 0.06, 0.06), 2, False),
+        ((0.1, 0.1, 0.1), 1, False),  # nothing slender
+    ],
+)
+def test_what_bends_too_stiffly_in_its_cells_is_warned_of(
+    size: tuple[float, float, float], order: int, warns: bool
+) -> None:
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        lattice(stark.mesh.box(size), cell_size=0.1, order=order)
+    assert len(said) == int(warns)
+    assert all("use cells of" in str(w.message) for w in said)
 
 
 def test_holes_leave_an_inside() -> None:
