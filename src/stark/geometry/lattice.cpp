@@ -222,16 +222,17 @@ class Filler {
 /// The cell of each vertex. Of those that a vertex on their common face touches, it is the first one that is
 /// filled.
 std::vector<Index3> cells_of_vertices(const Grid& grid, const TriangleMesh& surface,
-                                      const std::vector<char>& is_filled) {
+                                      const std::map<int64_t, CellFilling>& fillings) {
   std::vector<Index3> result;
+  const auto is_filled = [&](const Index3& cell) { return fillings.contains(grid.at(cell)); };
   const auto nudged = [&](const Vec3& v, int corner) {
     const double by = kRounding * grid.size;
     return v + Vec3{corner & 1 ? by : -by, corner & 2 ? by : -by, corner & 4 ? by : -by};
   };
   for (const Vec3& v : surface.vertices) {
     Index3 cell = grid.cell_of(v);
-    for (int corner = 0; corner < 8 && !is_filled[grid.at(cell)]; ++corner)
-      if (const Index3 other = grid.cell_of(nudged(v, corner)); is_filled[grid.at(other)]) cell = other;
+    for (int corner = 0; corner < 8 && !is_filled(cell); ++corner)
+      if (const Index3 other = grid.cell_of(nudged(v, corner)); is_filled(other)) cell = other;
     result.push_back(cell);
   }
   return result;
@@ -298,10 +299,8 @@ SolidMesh make_lattice(const TriangleMesh& surface, double cell_size, bool quadr
   const Grid grid = grid_around(surface, cell_size);
   Filler filler(surface, grid);
   std::map<int64_t, CellFilling> fillings = filler.fill();
-  std::vector<char> is_filled(grid.cell_count(), 0);
-  for (const auto& [cell, filling] : fillings) is_filled[cell] = 1;
   require_inside(filler, surface, cell_size);
-  const std::vector<Index3> of_vertices = cells_of_vertices(grid, surface, is_filled);
+  const std::vector<Index3> of_vertices = cells_of_vertices(grid, surface, fillings);
   fill_at_vertices(grid, surface, of_vertices, fillings);
 
   const auto node = [&](int32_t x, int32_t y, int32_t z) {
