@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stark._core import find_closest_triangles
 from stark.bodies import Body
 from stark.body_kinds import has_points, row_of
+from stark.mesh import TriangleMesh
 from stark.selections import Points
 
 Floats = NDArray[np.float64]
@@ -99,8 +100,7 @@ def repeated_points(given: Mapping[str, Any], count: int) -> str:
 
 
 def _mean_area(places: Floats, triangles: Integers) -> float:
-    a, b, c = (places[triangles[:, k]] for k in range(3))
-    return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).mean())
+    return TriangleMesh(places, triangles).area / len(triangles)
 
 
 def _border(triangles: Integers) -> Integers:
