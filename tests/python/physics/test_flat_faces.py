@@ -263,3 +263,52 @@ def test_a_box_that_is_kicked_askew_slides_without_turning(
     way = 1.0 / (2.0 * _MU * _G)
     assert box.position @ direction == pytest.approx(way, abs=0.55 * time_step)  # half a step of 1 m/s
     assert abs(np.cross(direction, box.position)[2]) < 1e-5
+
+
+def clutch(below: stark.TriangleMesh, above: stark.TriangleMesh, motion: str) -> float:
+    """Torque over mu N R that a disc meets which is pressed on another one and turns against it."""
+    pressing, rate, angle = 100.0, 4.0, {"coordinate": "angle"}
+    scene = stark.Scene()
+    scene.default_friction = _MU
+    lower = scene.add_rigid(below, mass=None if motion == "fixed" else 1.0, motion=motion)
+    upper = scene.add_rigid(above, mass=1.0, position=(0, 0, 0.0203))
+    if motion != "fixed":
+        scene.add_fixed(None, lower, anchor=(0, 0, 0))
+    axle = scene.add_cylindrical(None, upper, anchor=(0, 0, 0.0203), axis="z")
+    axle.add_effort(-pressing, coordinate="displacement")
+    axle.add_spring(0.0, damping=300.0, coordinate="displacement")
+    drive = axle.add_servo(
+        lambda t: rate * t, stiffness=1e5, damping=100.0, cap=1e4, target_rate=rate, **angle
+    )
+    sim = stark.Simulation(scene, time_step=0.005, contact_distance=2e-4, gravity=(0, 0, 0))
+    sim.run_until(0.2)
+    torques = []
+    for report in sim.run(until=0.4):
+        assert not report.failed, report.message
+        torques.append(drive.torque)
+    return float(np.mean(torques)) / (_MU * pressing * 0.1)
+
+
+def without_middles(mesh: stark.TriangleMesh) -> stark.TriangleMesh:
+    """As docs/friction.md does it."""
+    rims = mesh.vertices
+    return stark.mesh.convex_hull(rims[abs(rims[:, 0]) + abs(rims[:, 1]) > 0.01])
+
+
+@pytest.mark.parametrize(
+    ("radius", "motion", "with_middles"),
+    [
+        (0.1, "dynamic", 0.81),
+        (0.1, "fixed", 0.91),
+        (0.1005, "dynamic", 0.504),
+        (0.12, "dynamic", 0.606),
+        (0.15, "dynamic", 0.651),
+        (0.15, "fixed", 2.0 / 3.0),
+    ],
+)
+def test_discs_on_discs_meet_what_the_guide_says(radius: float, motion: str, with_middles: float) -> None:
+    """Two thirds for hulls; cylinders have vertices in the middle of their ends (docs/friction.md)."""
+    below, above = stark.mesh.cylinder(radius, 0.02, 64), stark.mesh.cylinder(0.1, 0.02, 64)
+    found = clutch(without_middles(below), without_middles(above), motion)
+    assert found == pytest.approx(2.0 / 3.0, rel=0.01)
+    assert clutch(below, above, motion) == pytest.approx(with_middles, rel=0.02)
