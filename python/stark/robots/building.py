@@ -19,7 +19,7 @@ from stark.joints.handle import Joint
 from stark.mesh import TriangleMesh, joined
 from stark.robots import kinematics
 from stark.robots.checks import check_reach, check_touching, is_nothing, refuse_impossible, shapes_of
-from stark.robots.closing import close
+from stark.robots.closing import Posture, close, free_places
 from stark.robots.description import Closure, Flex, Geometry, Inertia, RobotDescription, RobotJoint
 from stark.robots.flexes import Carrier, add_flex
 from stark.robots.handle import Robot
@@ -74,8 +74,8 @@ class _Builder:
     def __init__(self, scene: Any, description: RobotDescription, options: Options) -> None:
         self.scene, self.robot, self.options = scene, description, options
         self.report: Report = description.report.copy()
-        self.q = self._start()
-        self.frames = kinematics.placements(description, self.q, options.placement)
+        self.q, free = self._closed(self._start(), {} if options.q is None else options.q)
+        self.frames = kinematics.placements(description, self.q, options.placement, free)
         self.groups = self._groups()
         self.group_of = {link: group for group in self.groups for link in group.frames}
         self.body_of: dict[str, RigidBody | None] = {}  # by root of the group
@@ -142,18 +142,24 @@ class _Builder:
                 f"joint '{name}'",
                 f"starts at its limit {q[k]:g} {unit}, as {self.robot.joints[name].reference:g} is beyond",
             )
-        return self._closed(q, given)
+        return q
 
-    def _closed(self, q: Floats, given: kinematics.Values) -> Floats:
-        """With loops closed by the coordinates that were not given; the file has them closed at its own."""
+    def _closed(self, q: Floats, given: kinematics.Values) -> tuple[Floats, Mapping[str, Placement] | None]:
+        """With loops closed by the coordinates that were not given and by what floating and ball joints let
+        go, in the world; the file has them closed at its own."""
+        if not self.robot.closures:
+            return q, None
 
-        def frames(q: Floats) -> Mapping[str, Placement]:
-            return kinematics.placements(self.robot, q)
+        def frames(posture: Posture) -> Mapping[str, Placement]:
+            return kinematics.placements(self.robot, posture.q, WORLD, posture.free)
 
         names = self.robot.coordinates
         held = [k for k, name in enumerate(names) if not isinstance(given, Mapping) or name in given]
         start = np.clip([self.robot.joints[name].reference for name in names], *limits_of(self.robot))
-        return close(self.robot, start, q, held, frames, f"{self.robot.source}: q")
+        drawn = free_places(self.robot, kinematics.placements(self.robot, start).__getitem__)
+        q, free = close(self.robot, Posture(start, drawn), q, held, frames, f"{self.robot.source}: q")
+        kind, base = {name: self.robot.joints[name].kind for name in free}, self.options.placement
+        return q, {name: place if kind[name] == "ball" else base.at(*place) for name, place in free.items()}
 
     def _groups(self) -> list[Group]:
         """From the base outwards."""

@@ -20,7 +20,7 @@ from stark.readings import reading
 from stark.robots import kinematics
 from stark.robots.base import base_velocity, place_base, placing, push_base
 from stark.robots.choosing import Choice, chosen_rows
-from stark.robots.closing import place_closed
+from stark.robots.closing import free_places, place_closed
 from stark.robots.description import RobotDescription
 from stark.robots.drives import Drives, add_drives
 from stark.robots.dynamics import RobotDynamics
@@ -432,13 +432,7 @@ class Robot(RobotDynamics):
     def _rests(self) -> tuple[Placement, dict[str, Placement]]:
         """Frames that no coordinate places, now: that of the base, those of children of floating joints, and
         of ball joints in the parent."""
-        free = {}
-        for joint in self.description.joints.values():
-            if joint.kind == "floating":
-                free[joint.name] = self._frame(joint.child)
-            elif joint.kind == "ball":
-                free[joint.name] = self._frame(joint.child).seen_from(self._frame(joint.parent))
-        return self._frame(self.description.root), free
+        return self._frame(self.description.root), free_places(self.description, self._frame)
 
     def _given(self, what: str, values: Values, present: Floats) -> Floats:
         if isinstance(values, Mapping):

@@ -118,7 +118,7 @@ def motion_of(joint: RobotJoint, value: float) -> Placement:
         return Placement(moved * joint.axis, np.eye(3))
     if not joint.is_moving or moved == 0.0:
         return WORLD
-    turn = _turned(joint.axis, moved)
+    turn = turned(joint.axis, moved)
     return Placement(joint.anchor - turn @ joint.anchor, turn)
 
 
@@ -169,7 +169,7 @@ def cross(a: Floats, b: Floats) -> Floats:
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-def _turned(axis: Floats, angle: float) -> Floats:
+def turned(axis: Floats, angle: float) -> Floats:
     """As stark.rotation, for a unit axis, without its checks."""
     x, y, z = axis
     s, c = math.sin(angle), 2.0 * math.sin(0.5 * angle) ** 2

@@ -108,5 +108,57 @@ def test_links_behind_ball_joints_are_where_kinematics_says(tmp_path: Path) -> N
     assert not sim.step().failed
 
 
+ANGLES = np.radians([60.0 * (k // 2 * 2) + 15.0 * (-1) ** k for k in range(6)])
+FEET = 0.5 * np.column_stack((np.cos(ANGLES), np.sin(ANGLES), np.zeros(6)))
+HIPS = (
+    0.3 * np.column_stack((np.cos(ANGLES + np.pi), np.sin(ANGLES + np.pi), np.zeros(6)))[[3, 4, 5, 0, 1, 2]]
+)
+HOME = np.array([0.0, 0.0, 0.6])
+
+
+def lengths(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    """Of the legs of a platform in the frame of its base [m]."""
+    found: np.ndarray = np.linalg.norm(position + HIPS @ rotation.T - FEET, axis=1)
+    return found
+
+
+def platform(passive: str) -> tuple[str, str]:
+    """Bodies and equalities of a platform on six legs: joints of a cardan or a ball at their feet, a slide,
+    and a ball that closes the loop with a platform that is free."""
+    bodies, loops = f'<body name="plate" pos="0 0 {HOME[2]}"><freejoint/>{BODY}</body>', ""
+    for k, (foot, way) in enumerate(zip(FEET, HOME + HIPS - FEET, strict=True)):
+        axis, length = np.cross([0.0, 0.0, 1.0], way), np.linalg.norm(way)
+        angle = math.atan2(float(np.linalg.norm(axis)), way[2])
+        quat = np.r_[math.cos(angle / 2), math.sin(angle / 2) * axis / np.linalg.norm(axis)]
+        bodies += f'<body name="low{k}" pos="{foot[0]} {foot[1]} 0" quat="{" ".join(map(str, quat))}">'
+        bodies += f'{passive}{BODY}<body name="up{k}"><joint name="s{k}" type="slide"/>{BODY}</body></body>'
+        loops += f'<connect name="c{k}" body1="up{k}" body2="plate" anchor="0 0 {length}"/>'
+    return bodies, f"<equality>{loops}</equality>"
+
+
+@pytest.mark.parametrize("passive", ['<joint axis="1 0 0"/><joint axis="0 1 0"/>', '<joint type="ball"/>'])
+def test_a_free_platform_follows_its_legs(passive: str, tmp_path: Path) -> None:
+    """What closes its loops has no coordinate: the platform, and balls at the feet. The way back from lengths
+    to the pose is the closed form of lengths."""
+    base, turned = np.array([1.0, -2.0, 0.5]), stark.rotation(axis=(1, 2, 0), angle=0.7)
+    pose = HOME + np.array((0.04, -0.05, 0.03)), stark.rotation(axis=(1, -1, 2), angle=0.25)
+    file, home = written_mjcf(tmp_path, *platform(passive)), lengths(HOME, np.eye(3))
+    strokes = {f"s{k}": float(length) for k, length in enumerate(lengths(*pose) - home)}
+    scene = stark.Scene()
+    robot = scene.add_robot(file, q=strokes, position=base, rotation=turned, contact=False)
+    plate = robot.links["plate"]
+    np.testing.assert_allclose(plate.position, base + turned @ pose[0], atol=1e-8)
+    np.testing.assert_allclose(plate.rotation, turned @ pose[1], atol=1e-8)
+    sim = stark.Simulation(scene, time_step=0.01)
+    assert not sim.step().failed
+    back = HOME + np.array((-0.03, 0.02, -0.06)), stark.rotation(axis=(0, 1, 1), angle=-0.3)
+    robot.q = {f"s{k}": float(length) for k, length in enumerate(lengths(*back) - home)}
+    np.testing.assert_allclose(plate.position, base + turned @ back[0], atol=1e-8)
+    np.testing.assert_allclose(plate.rotation, turned @ back[1], atol=1e-8)
+    assert not sim.step().failed
+    with pytest.raises(stark.InvalidArgument, match=r"holds 'up\d' and 'plate' together, which stay"):
+        robot.q = {"s0": 5.0, "s1": 0.0, "s2": 0.0, "s3": 0.0, "s4": 0.0, "s5": 0.0}
+
+
 def turned_about_y(angle: float) -> np.ndarray:
     return np.array([0.3 * math.cos(angle), 0.0, 1.0 - 0.3 * math.sin(angle)])
