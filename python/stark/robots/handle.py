@@ -400,7 +400,8 @@ class Robot(RobotDynamics):
                 return found
             return settled(search, found, wanted, frame_and_jacobian, (lower, upper), self.coordinates)
         if not takes_nearest:
-            raise InvalidArgument(search.refusal(owner, found))
+            movable = frame_and_jacobian(begin)[1][:, upper > lower]
+            raise InvalidArgument(search.refusal(owner, found, is_carried=bool(movable.any())))
         return found
 
     @property

@@ -123,8 +123,14 @@ class Search:
             and found.rotation_error <= self.rotation_tolerance
         )
 
-    def refusal(self, owner: str, found: Reach) -> str:
-        """What to say where they are not."""
+    def refusal(self, owner: str, found: Reach, is_carried: bool) -> str:
+        """What to say where they are not. ``is_carried``: whether joints that may move carry the link."""
+        if not is_carried:
+            return (
+                f"{owner}: {found.position_error:.3g} m and {found.rotation_error:.3g} rad away, and no joint "
+                f"that may move carries it: must be carried by one at least; give other joints, or place what "
+                f"a loop holds by robot.q of the joints that drive it"
+            )
         limits = f"; at their limits: {', '.join(found.at_limits)}" if found.at_limits else ""
         return (
             f"{owner}: the nearest of {self.attempts} attempts is {found.position_error:.3g} m and "

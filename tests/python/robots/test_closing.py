@@ -158,6 +158,8 @@ def test_a_free_platform_follows_its_legs(passive: str, tmp_path: Path) -> None:
     assert not sim.step().failed
     with pytest.raises(stark.InvalidArgument, match=r"holds 'up\d' and 'plate' together, which stay"):
         robot.q = {"s0": 5.0, "s1": 0.0, "s2": 0.0, "s3": 0.0, "s4": 0.0, "s5": 0.0}
+    with pytest.raises(stark.InvalidArgument, match=r"no joint that may move carries it: .* robot\.q of"):
+        robot.inverse_kinematics("plate", plate.position - HOME)
 
 
 def turned_about_y(angle: float) -> np.ndarray:
