@@ -145,9 +145,13 @@ class SceneJoints(SceneLink):
         **options: Any,
     ) -> Joint:
         """Planar joint in the plane through ``anchor`` [m] with this ``normal``; coordinates
-        ``displacement_x``,
-        ``displacement_y`` [m], ``angle`` [rad]."""
-        return self.add_joint("planar", a, b, anchor=anchor, axis=normal, **options)
+        ``displacement_x`` along the x axis of the world at time 0, laid into the plane (y if the normal is
+        along x), ``displacement_y`` across it, counterclockwise about the normal [m], ``angle`` [rad].
+        ``rotation`` in place of ``normal`` gives all three axes, the normal last."""
+        if normal is None or options.get("rotation") is not None:
+            return self.add_joint("planar", a, b, anchor=anchor, axis=normal, **options)
+        options["rotation"] = _plane_axes(normal)
+        return self.add_joint("planar", a, b, anchor=anchor, **options)
 
     def add_point_on_axis(
         self,
@@ -305,6 +309,16 @@ def _anchored(a: Side, b: Side, anchor: Vec3Like | None) -> dict[str, Any]:
     if anchor is None and (isinstance(a, FrameHandle) or isinstance(b, FrameHandle)):
         return {}
     return {"anchor": (0.0, 0.0, 0.0) if anchor is None else anchor}
+
+
+def _plane_axes(normal: str | Vec3Like) -> Any:
+    """x of the world laid into the plane, or y where the normal is within 1e-6 of x; across; the normal."""
+    z = direction(normal, "planar: normal")
+    z = z / np.linalg.norm(z)
+    along = np.eye(3)[0 if abs(z[0]) < 1.0 - 5e-13 else 1]
+    x = along - (along @ z) * z
+    x = x / np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
 
 
 def _cross_axes(axis_a: str | Vec3Like | None, axis_b: str | Vec3Like | None) -> Any:

@@ -127,9 +127,9 @@ class Search:
         """What to say where they are not. ``is_carried``: whether joints that may move carry the link."""
         if not is_carried:
             return (
-                f"{owner}: {found.position_error:.3g} m and {found.rotation_error:.3g} rad away, and no joint "
-                f"that may move carries it: must be carried by one at least; give other joints, or place what "
-                f"a loop holds by robot.q of the joints that drive it"
+                f"{owner}: {found.position_error:.3g} m and {found.rotation_error:.3g} rad away, and no "
+                f"joint that may move carries it: must be carried by one at least; give other joints, or "
+                f"place what a loop holds by robot.q of the joints that drive it"
             )
         limits = f"; at their limits: {', '.join(found.at_limits)}" if found.at_limits else ""
         return (

@@ -70,3 +70,44 @@ def test_a_motor_turns_side_b_of_a_universal_joint_about_its_own_axis() -> None:
     sim = stark.Simulation(scene, time_step=0.01, gravity=(0, 0, 0))
     sim.run_until(0.5)
     assert body.angular_velocity[1] == pytest.approx(2.0, rel=1e-2)
+
+
+S = np.sqrt(0.5)
+
+
+@pytest.mark.parametrize(
+    ("normal", "x", "y"),
+    [
+        ("z", (1, 0, 0), (0, 1, 0)),
+        ((0, 0, -2), (1, 0, 0), (0, -1, 0)),
+        ("y", (1, 0, 0), (0, 0, -1)),
+        ("x", (0, 1, 0), (0, 0, 1)),
+        ((-1, 0, 0), (0, 1, 0), (0, 0, -1)),
+        ((-1, 0, 1), (S, 0, S), (0, 1, 0)),
+    ],
+)
+def test_displacements_in_a_plane_are_along_the_axes_of_the_world(
+    normal: str | tuple[float, float, float], x: tuple[float, ...], y: tuple[float, ...]
+) -> None:
+    """As the docstring of add_planar says. In the plane z = 0, x went along -y."""
+    for coordinate, axis in (("displacement_x", x), ("displacement_y", y)):
+        scene = stark.Scene()
+        body = scene.add_box(0.1, mass=1.0, position=PLACE)
+        joint = scene.add_planar(None, body, PLACE, normal)
+        joint.add_effort(2.0, coordinate=coordinate)
+        sim = stark.Simulation(scene, time_step=0.01, gravity=(0, 0, 0))
+        sim.run_until(0.1)
+        np.testing.assert_allclose(body.velocity, 0.2 * np.array(axis), atol=1e-6)
+        assert joint.rates[coordinate] == pytest.approx(0.2)
+
+
+def test_a_rotation_gives_all_axes_of_a_plane() -> None:
+    scene = stark.Scene()
+    body = scene.add_box(0.1, mass=1.0, position=PLACE)
+    axes = stark.rotation(axis=(1, 2, 3), angle=0.8)
+    scene.add_planar(None, body, PLACE, rotation=axes).add_effort(2.0, coordinate="displacement_x")
+    sim = stark.Simulation(scene, time_step=0.01, gravity=(0, 0, 0))
+    sim.run_until(0.1)
+    np.testing.assert_allclose(body.velocity, 0.2 * axes[:, 0], atol=1e-6)
+    with pytest.raises(stark.InvalidArgument, match="axis and rotation are both given"):
+        scene.add_planar(None, body, PLACE, "z", rotation=axes)
