@@ -269,3 +269,51 @@ def test_a_ball_breaks_a_rack_of_touching_balls() -> None:
         assert velocities[:, :2].sum(axis=0) == pytest.approx([speed, 0.0], abs=1e-8)
         assert report.energy["kinetic"] < 0.5 * 0.17 * speed**2 * 1.001
     assert report.energy["kinetic"] > 0.7 * 0.5 * 0.17 * speed**2
+
+
+def object_ball(h: float, integrator: str, before: float) -> tuple[float, float]:
+    """Direction [deg] and speed of a billiard ball that another one of 1 m/s hits 0.6 of a diameter beside
+    its middle, over those of an impact without a time step. ``before``: part of a step by which it is
+    later."""
+    radius, beside, e = 0.028, 0.6, 0.95
+    along = np.sqrt(1.0 - beside**2)
+    scene = stark.Scene()
+    scene.default_friction = 0.0
+    turns = [stark.rotation(axis=axis, angle=angle) for axis, angle in (((3, 1, 2), 0.4), ((1, 2, 3), 0.7))]
+    ball = scene.add_sphere(radius, subdivisions=4, mass=0.17, name="object", rotation=turns[0])
+    scene.add_sphere(
+        radius,
+        subdivisions=4,
+        mass=0.17,
+        name="cue",
+        position=(-2 * radius * along - 0.02 - before * h, beside * 2 * radius, 0),
+        velocity=(1, 0, 0),
+        rotation=turns[1],
+    )
+    scene.restitution["cue", "object"] = e
+    settings = {"contact_distance": 2e-4, "gravity": (0, 0, 0), "time.integrator": integrator}
+    sim = stark.Simulation(scene, time_step=h, **settings)
+    sim.run_until(0.12)
+    x, y = ball.velocity[:2]
+    turned = np.degrees(np.arctan2(-y, x) - np.arcsin(beside))
+    return float(turned), float(np.hypot(x, y) / (0.5 * (1.0 + e) * along))
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize(
+    ("h", "turned", "slower"),
+    [
+        (1 / 60, (12, 15), (0.24, 0.33)),
+        (0.01, (6, 8), (0.13, 0.17)),
+        (0.005, (2, 5), (0.05, 0.09)),
+        (0.002, (0, 2), (0.01, 0.04)),
+    ],
+)
+def test_oblique_impacts_turn_by_the_way_of_a_step(
+    h: float, turned: tuple[float, float], slower: tuple[float, float], integrator: str
+) -> None:
+    """docs/friction.md: the direction of the impact is that at the end of its step."""
+    for part in (0.0, 0.25, 0.5, 0.75):
+        direction, speed = object_ball(h, integrator, part)
+        assert turned[0] - 0.5 < direction < turned[1] + 0.5
+        assert slower[0] - 0.006 < 1.0 - speed < slower[1] + 0.006
