@@ -270,3 +270,38 @@ def test_balls_of_a_bearing_drift_outward_as_the_guide_says(integrator: str) -> 
         turned, grown = orbit(step, integrator, rate)
         assert turned == pytest.approx(0.5, abs=5e-4)
         assert 0.8 < np.log(grown) / (rate**2 * step / 8) < 1.3
+
+
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+@pytest.mark.parametrize(
+    ("degrees", "distance", "less"), [(90, 2e-4, 0.06), (60, 2e-4, 0.17), (60, 5e-5, 0.06)]
+)
+def test_a_ball_in_a_groove_is_braked_by_its_spin(
+    degrees: int, distance: float, less: float, integrator: str
+) -> None:
+    """docs/friction.md: without it, it gains g sin(slope) / (1 + 0.4 / sin(half of the angle)^2)."""
+    radius, slope, half = 0.03, 0.2, np.radians(degrees) / 2
+    tilt = stark.rotation(axis="y", angle=slope)
+    scene = stark.Scene()
+    scene.default_friction = 0.3
+    for side in (1, -1):
+        normal = np.array([0, -side * np.cos(half), np.sin(half)])
+        up = np.array([0, side * np.sin(half), np.cos(half)])
+        axes = np.column_stack([[1, 0, 0], np.cross(normal, [1, 0, 0]), normal])
+        place = tilt @ (0.06 * up - 0.01 * normal)
+        scene.add_box((4, 0.118, 0.02), motion="fixed", position=place, rotation=tilt @ axes)
+    place = tilt @ [0, 0, (radius + 0.95 * distance) / np.sin(half)]
+    ball = scene.add_sphere(radius, subdivisions=5, mass=0.1, position=place)
+    sim = stark.Simulation(
+        scene, time_step=0.002, contact_distance=distance / 2, **{"time.integrator": integrator}
+    )
+    sim.run_until(0.2)
+    start = np.linalg.norm(ball.velocity)
+    sim.run_until(0.7)
+    gained = (np.linalg.norm(ball.velocity) - start) / 0.5
+    free = 9.81 * np.sin(slope) / (1.0 + 0.4 / np.sin(half) ** 2)
+    assert gained / free == pytest.approx(1.0 - less, abs=0.015)
+    if distance > 1e-4:  # finer than that, facets count
+        resistance = 0.4 * 0.3 * 9.81 * np.sqrt(radius * distance) / np.tan(half) / (radius * np.sin(half))
+        expected = 1.0 - resistance * np.cos(slope) / (9.81 * np.sin(slope))
+        assert gained / free == pytest.approx(expected, abs=0.02)
