@@ -50,3 +50,31 @@ def test_what_is_let_go_from_a_circle_flies_off_along_the_tangent(integrator: st
     sim.run_until(sim.time + 0.1)
     np.testing.assert_allclose(ball.velocity, velocity, rtol=0, atol=1e-6 * float(np.linalg.norm(velocity)))
     assert ball.angular_velocity[2] == pytest.approx(rate, rel=1e-6)
+
+
+@pytest.mark.parametrize("step", [0.01, 0.001])
+@pytest.mark.parametrize(
+    ("integrator", "power", "shares"),
+    [
+        ("implicit_euler", 2, [0.5, 1.0, 1.0, 1.0, 1.0]),
+        ("bdf2", 2, [1.125, 1.5, 0.875, 1.0, 1.0]),
+        ("implicit_euler", 1, [1.0, 0.0, 0.0, 0.0, 0.0]),
+        ("bdf2", 1, [2.25, -1.5, 0.25, 0.0, 0.0]),
+    ],
+)
+def test_loads_on_paths_with_kinks_show_what_the_guide_says(
+    integrator: str, power: int, shares: list[float], step: float
+) -> None:
+    """docs/sensors.md: shares of m a where the acceleration jumps, of m v/h where the speed does."""
+    jump, mass, start = 2.4, 2.0, 0.05
+    scene = stark.Scene()
+    tool = scene.add_box(0.05, motion="scripted", position=(0, 0, 0.2))
+    tool.follow(position=lambda t: (0, 0, 0.2 + jump * max(0.0, t - start) ** power / power))
+    load = scene.add_box(0.1, mass=mass, position=(0, 0, 0.05))
+    grip = scene.add_fixed(tool, load, anchor=(0, 0, 0.1))
+    sim = stark.Simulation(scene, time_step=step, time={"integrator": integrator})
+    sim.run_until(start)
+    whole = mass * jump if power == 2 else mass * jump / step
+    for share in shares:
+        assert not sim.step().failed
+        assert (grip.reaction.force[2] - 9.81 * mass) / whole == pytest.approx(share, abs=0.01)
