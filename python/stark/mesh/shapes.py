@@ -53,8 +53,8 @@ def sphere(radius: float, subdivisions: int = 3) -> TriangleMesh:
 
 def cylinder(radius: float, height: float, segments: int = 32, stacks: int = 1) -> TriangleMesh:
     """Closed cylinder about the z axis with the origin in its middle: ``radius`` and ``height`` from cap to
-    cap [m]; ``segments`` around the axis, ``stacks`` along it. Raises InvalidArgument for numbers out of
-    range."""
+    cap [m]; ``segments`` around the axis, ``stacks`` along it. Caps have no vertices inside. Raises
+    InvalidArgument for numbers out of range."""
     return TriangleMesh(
         *_core.make_cylinder(
             positive(radius, "cylinder: radius"),

@@ -36,28 +36,44 @@ struct ProfilePoint {
   double radius, z;
 };
 
-TriangleMesh make_revolution(const std::vector<ProfilePoint>& profile, int segments) {
-  TriangleMesh mesh;
-  const int rings = static_cast<int>(profile.size()) - 2;
-  mesh.vertices.push_back({0.0, 0.0, profile.front().z});
-  for (int ring = 0; ring < rings; ++ring) {
-    for (int s = 0; s < segments; ++s) {
-      const double angle = 2.0 * std::numbers::pi * s / segments;
-      const ProfilePoint& point = profile[ring + 1];
-      mesh.vertices.push_back({point.radius * std::cos(angle), point.radius * std::sin(angle), point.z});
-    }
+void add_ring(TriangleMesh& mesh, const ProfilePoint& point, int segments) {
+  for (int s = 0; s < segments; ++s) {
+    const double angle = 2.0 * std::numbers::pi * s / segments;
+    mesh.vertices.push_back({point.radius * std::cos(angle), point.radius * std::sin(angle), point.z});
   }
-  mesh.vertices.push_back({0.0, 0.0, profile.back().z});
-  const int32_t top = static_cast<int32_t>(mesh.vertices.size()) - 1;
-  const auto id = [&](int ring, int s) { return static_cast<int32_t>(1 + ring * segments + s % segments); };
-  for (int s = 0; s < segments; ++s) mesh.triangles.push_back({0, id(0, s + 1), id(0, s)});
+}
+
+/// Between rings, from the vertex `first` on.
+void add_bands(TriangleMesh& mesh, int32_t first, int rings, int segments) {
+  const auto id = [&](int ring, int s) { return first + ring * segments + s % segments; };
   for (int ring = 0; ring + 1 < rings; ++ring) {
     for (int s = 0; s < segments; ++s) {
       mesh.triangles.push_back({id(ring, s), id(ring, s + 1), id(ring + 1, s + 1)});
       mesh.triangles.push_back({id(ring, s), id(ring + 1, s + 1), id(ring + 1, s)});
     }
   }
-  for (int s = 0; s < segments; ++s) mesh.triangles.push_back({id(rings - 1, s), id(rings - 1, s + 1), top});
+}
+
+/// A polygon of a ring, from the vertex `first` on, as a strip from one side to the other.
+void add_disc(TriangleMesh& mesh, int32_t first, int segments, bool faces_up) {
+  int32_t low = first, high = first + segments - 1;
+  for (bool is_low = true; high - low > 1; is_low = !is_low) {
+    const int32_t next = is_low ? low + 1 : high - 1;
+    mesh.triangles.push_back(faces_up ? Index3{low, next, high} : Index3{low, high, next});
+    (is_low ? low : high) = next;
+  }
+}
+
+TriangleMesh make_revolution(const std::vector<ProfilePoint>& profile, int segments) {
+  TriangleMesh mesh;
+  const int rings = static_cast<int>(profile.size()) - 2;
+  mesh.vertices.push_back({0.0, 0.0, profile.front().z});
+  for (int ring = 0; ring < rings; ++ring) add_ring(mesh, profile[ring + 1], segments);
+  mesh.vertices.push_back({0.0, 0.0, profile.back().z});
+  const int32_t top = static_cast<int32_t>(mesh.vertices.size()) - 1, last = top - segments;
+  for (int s = 0; s < segments; ++s) mesh.triangles.push_back({0, 1 + (s + 1) % segments, 1 + s});
+  add_bands(mesh, 1, rings, segments);
+  for (int s = 0; s < segments; ++s) mesh.triangles.push_back({last + s, last + (s + 1) % segments, top});
   return mesh;
 }
 
@@ -167,10 +183,14 @@ TriangleMesh make_cylinder(double radius, double height, int segments, int stack
   check_length(height, "cylinder", "height");
   check_count(segments, 3, "cylinder", "segments");
   check_count(stacks, 1, "cylinder", "stacks");
-  std::vector<ProfilePoint> profile = {{0.0, -0.5 * height}};
-  for (int k = 0; k <= stacks; ++k) profile.push_back({radius, grid_coordinate(height, k, stacks)});
-  profile.push_back({0.0, 0.5 * height});
-  return make_revolution(profile, segments);
+  // No vertices in the middle of the ends: friction knows how an even pressure spreads over a flat face that
+  // has none inside. [theory eq. 19d]
+  TriangleMesh mesh;
+  for (int k = 0; k <= stacks; ++k) add_ring(mesh, {radius, grid_coordinate(height, k, stacks)}, segments);
+  add_disc(mesh, 0, segments, false);
+  add_bands(mesh, 0, stacks + 1, segments);
+  add_disc(mesh, stacks * segments, segments, true);
+  return mesh;
 }
 
 TriangleMesh make_capsule(double radius, double height, int segments, int rings) {

@@ -16,7 +16,7 @@ TriangleMesh make_box(const Vec3& size, int subdivisions = 1);
 /// Icosahedron with each triangle split into four `subdivisions` times, vertices pushed onto the sphere.
 TriangleMesh make_icosphere(double radius, int subdivisions);
 
-/// Closed cylinder about z, `height` from cap to cap.
+/// Closed cylinder about z, `height` from cap to cap; the caps have no vertices but those of their rims.
 TriangleMesh make_cylinder(double radius, double height, int segments = 32, int stacks = 1);
 
 /// Capsule about z: a cylinder of `height` between the centres of two half spheres.

@@ -36,7 +36,26 @@ def test_a_spinning_plate_meets_the_torque_of_an_even_pressure(cells: int, error
 
 def test_so_does_a_disc() -> None:
     found = lever(stark.mesh.cylinder(_RADIUS, 0.01, 64))
-    assert found == pytest.approx(2.0 / 3.0 * _RADIUS, rel=2e-3)
+    assert found == pytest.approx(2.0 / 3.0 * _RADIUS, rel=5e-3)
+
+
+def test_a_disc_that_spins_and_slides_comes_to_the_end_of_both_together() -> None:
+    """Of an even pressure it slides on with 0.26 m/s after 0.3 s; with a vertex in the middle of its ends,
+    which does not turn, it did with 0.14 m/s and spun on when it had stopped."""
+    scene = stark.Scene()
+    scene.default_friction = 0.3
+    scene.add_floor()
+    disc = scene.add_cylinder(
+        0.1, 0.02, mass=1.0, position=(0, 0, 0.0102), velocity=(0.5, 0, 0), angular_velocity=(0, 0, 20)
+    )
+    sim = stark.Simulation(scene, time_step=0.002)
+    sim.run_until(0.3)
+    assert 0.26 < disc.velocity[0] < 0.31
+    sim.run_until(0.53)
+    speed = np.array([disc.velocity[0], 0.1 * disc.angular_velocity[2]])
+    assert (speed < 0.12).all()
+    sim.run_until(0.6)
+    assert abs(disc.velocity[0]) < 1e-3 and abs(disc.angular_velocity[2]) < 1e-2
 
 
 @pytest.mark.parametrize("size", [(_SIDE, _SIDE, 0.01), (0.12, 0.06, 0.01)])
@@ -289,26 +308,21 @@ def clutch(below: stark.TriangleMesh, above: stark.TriangleMesh, motion: str) ->
     return float(np.mean(torques)) / (_MU * pressing * 0.1)
 
 
-def without_middles(mesh: stark.TriangleMesh) -> stark.TriangleMesh:
-    """As docs/friction.md does it."""
-    rims = mesh.vertices
-    return stark.mesh.convex_hull(rims[abs(rims[:, 0]) + abs(rims[:, 1]) > 0.01])
-
-
 @pytest.mark.parametrize(
-    ("radius", "motion", "with_middles"),
+    ("radius", "motion"),
     [
-        (0.1, "dynamic", 0.81),
-        (0.1, "fixed", 0.91),
-        (0.1005, "dynamic", 0.504),
-        (0.12, "dynamic", 0.606),
-        (0.15, "dynamic", 0.651),
-        (0.15, "fixed", 2.0 / 3.0),
+        (0.1, "dynamic"),
+        (0.1, "fixed"),
+        (0.1005, "dynamic"),
+        (0.12, "dynamic"),
+        (0.15, "dynamic"),
+        (0.15, "fixed"),
     ],
 )
-def test_discs_on_discs_meet_what_the_guide_says(radius: float, motion: str, with_middles: float) -> None:
-    """Two thirds for hulls; cylinders have vertices in the middle of their ends (docs/friction.md)."""
-    below, above = stark.mesh.cylinder(radius, 0.02, 64), stark.mesh.cylinder(0.1, 0.02, 64)
-    found = clutch(without_middles(below), without_middles(above), motion)
-    assert found == pytest.approx(2.0 / 3.0, rel=0.01)
-    assert clutch(below, above, motion) == pytest.approx(with_middles, rel=0.02)
+@pytest.mark.parametrize("segments", [32, 64])
+def test_discs_on_discs_meet_the_torque_of_an_even_pressure(
+    radius: float, motion: str, segments: int
+) -> None:
+    """Two thirds. With vertices in the middle of their ends they met 0.50 to 0.91."""
+    discs = (stark.mesh.cylinder(r, 0.02, segments) for r in (radius, 0.1))
+    assert clutch(*discs, motion) == pytest.approx(2.0 / 3.0, rel=0.0125)
