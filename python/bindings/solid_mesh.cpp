@@ -8,15 +8,14 @@
 
 namespace stark::bindings {
 
-/// Of elements alone where there are no vertices.
+/// Of elements alone where no vertices are given.
 template <>
 inline constexpr bool comes_as_array<SolidMesh> = true;
 template <>
 SolidMesh read(nb::handle entries, const std::string& name, const std::string&) {
-  const SolidMesh mesh = solid_mesh(Given(entries, name));
-  if (!mesh.vertices.empty()) check_indices(mesh);
-  if (mesh.is_embedded() && mesh.embedding.fillings.size() != static_cast<size_t>(mesh.element_count()))
-    throw InvalidMesh(name + ": filling: must have a row for each element");
+  const Given given(entries, name);
+  SolidMesh mesh = solid_mesh(given);
+  if (given.find("vertices")) check_indices(mesh);
   return mesh;
 }
 

@@ -2,7 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <string>
 
+#include <stark/base/error.h>
 #include <stark/geometry/shapes.h>
 #include <stark/geometry/solid_mesh.h>
 #include <stark/geometry/topology.h>
@@ -77,6 +79,27 @@ TEST_CASE("refinement by order shares the new nodes and keeps the cells") {
   CHECK(find_edges(SolidMesh(box)) == find_edges(box.tets));
   CHECK(find_boundary_triangles(SolidMesh(box)) == find_boundary_triangles(box.tets));
   CHECK(to_quadratic(tets).vertices.size() == tets.vertices.size());
+}
+
+TEST_CASE("what refers to nothing is refused before it is used") {
+  const auto refused = [](const SolidMesh& mesh, const char* message) {
+    CHECK_THROWS_WITH_AS(check_indices(mesh), doctest::Contains(message), InvalidMesh);
+  };
+  SolidMesh mesh = make_hex_box({1, 1, 1}, {1, 1, 1});
+  CHECK_NOTHROW(check_indices(mesh));
+  refused({{}, mesh.type, mesh.elements}, "element 0 refers to vertex 0: indices must be in [0, 0)");
+  mesh.vertices.push_back({0.0, 0.0, 0.0});
+  mesh.embedding = {{0}, {{8, 8, 8}}, {CellFilling{}}};
+  CHECK_NOTHROW(check_indices(mesh));
+  for (const int32_t element : {1, -1}) {
+    mesh.embedding.elements = {element};
+    refused(mesh, ("embedded vertex 8 is in element " + std::to_string(element) + ": must be").c_str());
+  }
+  mesh.embedding.elements = {0};
+  mesh.embedding.fillings.clear();
+  refused(mesh, "0 fillings of 1 elements");
+  mesh.embedding.elements.assign(10, 0);
+  refused(mesh, "10 of 9 vertices are embedded");
 }
 
 TEST_CASE("an element that is turned inside out has a negative Jacobian") {

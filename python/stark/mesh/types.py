@@ -293,6 +293,12 @@ class EmbeddedMesh(SolidMesh):
                 f"of each element; use stark.mesh.lattice"
             )
         self.__dict__["filling"] = np.ascontiguousarray(moments, dtype=np.float64)
+        wrong = self.cells[(self.cells < 0) | (self.cells >= len(self.elements))]
+        if wrong.size:
+            raise InvalidMesh(
+                f"{where}cells: one of them is {wrong[0]}: must be in [0, {len(self.elements)}), as indices "
+                f"of elements"
+            )
         if not 0 < len(self.cells) < len(self.vertices):
             raise InvalidMesh(
                 f"{where}cells: {len(self.cells)} of {len(self.vertices)} vertices are of the surface: must "

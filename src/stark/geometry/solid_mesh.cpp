@@ -45,6 +45,22 @@ double filled_volume(const SolidMesh& mesh, int64_t element) {
   return volume * mesh.embedding.fillings[element].part();
 }
 
+void check_embedded(const SolidMesh& mesh) {
+  const std::vector<int32_t>& elements = mesh.embedding.elements;
+  const int64_t count = mesh.element_count();
+  if (elements.size() > mesh.vertices.size())
+    throw InvalidMesh(std::to_string(elements.size()) + " of " + std::to_string(mesh.vertices.size()) +
+                      " vertices are embedded: must be some of them");
+  for (size_t k = 0; k < elements.size(); ++k)
+    if (elements[k] < 0 || elements[k] >= count)
+      throw InvalidMesh("embedded vertex " + std::to_string(mesh.first_embedded() + k) + " is in element " +
+                        std::to_string(elements[k]) + ": must be in [0, " + std::to_string(count) + ")");
+  const size_t fillings = mesh.embedding.fillings.size();
+  if (mesh.is_embedded() && fillings != static_cast<size_t>(count))
+    throw InvalidMesh(std::to_string(fillings) + " fillings of " + std::to_string(count) +
+                      " elements: must be one for each");
+}
+
 }  // namespace
 
 SolidMesh::SolidMesh(const TetMesh& mesh) : vertices(mesh.vertices) {
@@ -60,6 +76,7 @@ void check_indices(const SolidMesh& mesh) {
       throw InvalidMesh("element " + std::to_string(k / mesh.node_count()) + " refers to vertex " +
                         std::to_string(mesh.elements[k]) + ": indices must be in [0, " +
                         std::to_string(mesh.vertices.size()) + ")");
+  check_embedded(mesh);
 }
 
 double rest_gradients(const SolidMesh& mesh, int64_t element, const Vec3& position, std::span<Vec3> out) {

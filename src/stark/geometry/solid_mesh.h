@@ -61,7 +61,8 @@ struct SolidMesh {
   }
 };
 
-/// Throws InvalidMesh where an element refers to a vertex that does not exist.
+/// Throws InvalidMesh where an element refers to a vertex, or an embedded vertex to an element, that does not
+/// exist, and where fillings are not one for each element.
 void check_indices(const SolidMesh& mesh);
 
 /// Gradients of the shape functions in rest coordinates [1/m], and determinant of the Jacobian of the map

@@ -49,6 +49,11 @@ def test_arrays_that_are_no_mesh_are_refused() -> None:
     corners = np.eye(3)
     with pytest.raises(stark.InvalidMesh, match=r"must be in \[0, 3\)"):
         _ = mesh.TriangleMesh(corners, [[0, 1, 3]]).area
+    for elements in ([[0, 1, 2, 3]], [list(range(8))]):
+        nothing = mesh.SolidMesh(np.empty((0, 3)), elements)
+        for ask in (lambda m: m.volumes, lambda m: m.volume, mesh.to_quadratic):
+            with pytest.raises(stark.InvalidMesh, match=r"refers to vertex 0: .*must be in \[0, 0\)"):
+                ask(nothing)
     with pytest.raises(stark.InvalidMesh, match=r"must be \(m, 4\)"):
         mesh.TetMesh(corners, [[0, 1, 2]])
     with pytest.raises(stark.InvalidMesh, match=r"must be \(n, 3\)"):
