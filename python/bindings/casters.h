@@ -222,6 +222,9 @@ inline FieldValue to_field_value(nb::handle object) {
   // A number of NumPy, an array without dimensions too, is what it holds.
   if (nb::hasattr(object, "item") && nb::hasattr(object, "ndim") &&
       nb::int_(object.attr("ndim")).equal(nb::int_(0))) {
+    // What numpy.ma masks holds a number, which nobody gave.
+    const nb::object mask = nb::getattr(object, "mask", nb::none());
+    if (nb::cast<bool>(nb::bool_(mask))) return std::string("masked");
     const nb::object held = object.attr("item")();
     if (!held.type().is(object.type())) return to_field_value(held);  // long doubles hold themselves
   }

@@ -156,7 +156,7 @@ void bind_operators(nb::class_<TracedScalar>& c) {
   c.def("__hash__", [](nb::handle self) { return reinterpret_cast<Py_ssize_t>(self.ptr()) >> 4; });
   c.def("__bool__", symbolic::constant_truth);
   c.def("__float__", [](const TracedScalar& x) { return constant_value(x, "float()"); });
-  c.def("__int__", [](const TracedScalar& x) { return static_cast<long long>(constant_value(x, "int()")); });
+  c.def("__int__", [](const TracedScalar& x) { return nb::int_(nb::float_(constant_value(x, "int()"))); });
   c.def("__index__", symbolic::refuse_index, nb::sig("def __index__(self) -> int"));
   c.def("__repr__", [](const TracedScalar& x) { return "Scalar(" + to_string(x.value, 200) + ")"; });
 }

@@ -35,7 +35,7 @@ def relative_pressure(gap: ArrayLike) -> NDArray[np.float64]:
     r = np.asarray(gap, dtype=np.float64)
     near = np.clip(r, np.finfo(np.float64).tiny, 1.0)
     slope = 2.0 * (near - 1.0) * np.log(near) + (1.0 - near) ** 2 / near
-    return np.where(r < 1.0, slope / (math.log(2.0) + 0.5), 0.0)
+    return np.where(r >= 1.0, 0.0, slope / (math.log(2.0) + 0.5))
 
 
 @dataclass(frozen=True)

@@ -209,6 +209,8 @@ def test_followers_that_cannot() -> None:
             lambda: pinned.follow(lambda t: np.zeros((2, 3)), displacement=lambda t: (0, 0, t)),
             "targets and displacement or rotation are given",
         ),
+        (lambda: pinned.follow(vertices=[0]), "vertices is given without a motion: .* of all pins, leave it"),
+        (lambda: pinned.follow(center=(0, 0, 0)), "center is given without a motion: must come with"),
         (
             lambda: box.follow(displacement=lambda t: (t, 0, 0)),  # type: ignore[arg-type]
             "'finger': follow: displacement is of pins, .* must be position= of a rigid body in the world",

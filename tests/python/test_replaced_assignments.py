@@ -71,6 +71,14 @@ def test_pins_on_a_motion_take_no_targets_and_others_do() -> None:
     assert sheet.positions[2, 2] == pytest.approx(3e-3)
 
 
+def test_no_pins_take_no_targets() -> None:
+    scene = stark.Scene()
+    scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=2), name="sheet")
+    sim = stark.Simulation(scene)
+    sim["sheet"].pin_targets = np.empty((0, 3))
+    assert sim["sheet"].pin_targets.shape == (0, 3)
+
+
 def test_clamps_on_a_motion_take_no_targets() -> None:
     sim, rod = scene_of("rod")
     sim.step()

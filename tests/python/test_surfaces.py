@@ -31,6 +31,7 @@ def test_the_curve_of_the_guide() -> None:
     assert table is not None
     gaps, pressures = ([float(cell) for cell in row.split("|")] for row in table.groups())
     assert stark.surfaces.relative_pressure(gaps) == pytest.approx(pressures, rel=0.05)
+    assert np.isnan(stark.surfaces.relative_pressure([np.nan, 0.5])).tolist() == [True, False]
 
 
 def test_the_example_of_the_guide() -> None:

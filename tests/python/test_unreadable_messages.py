@@ -102,6 +102,9 @@ MASKED = np.ma.array([0.0, 0.0, 1.0], mask=[0, 0, 1])
         lambda sim: stark.mesh.box(np.ma.masked),
         lambda sim: stark.SolidMaterial(density=np.ma.array([1.0, 2.0], mask=[0, 1])),
         lambda sim: stark.motion.linear([0.0, 1.0, 2.0], MASKED),
+        lambda sim: stark.Scene().add_box(0.1, mass=1.0, linear_damping=np.ma.masked),
+        lambda sim: stark.Scene().add_cloth(stark.mesh.grid(1, 1, 2), friction=MASKED[2]),
+        lambda sim: stark.Settings().update({"contact.friction": np.ma.array(0.5, mask=True)}),
     ],
 )
 def test_masked_values_are_refused(scene: stark.Scene, give: Callable[[Any], Any]) -> None:

@@ -291,7 +291,7 @@ def refuse_replaced_pose(body: BodyHandle, what: str, *changes: tuple[Floats, Fl
 
 def refuse_replaced_targets(body: PinnedBody, what: str, given: Floats, present: Floats) -> None:
     """The same of ``pin_targets`` (k, 3) [m] and ``clamp_targets`` (k, 3, 3)."""
-    changed = np.abs(given - present).reshape(len(given), -1).max(axis=1, initial=0.0) > _SAME
+    changed = np.abs(given - present).max(axis=tuple(range(1, given.ndim)), initial=0.0) > _SAME
     clamps = what == "clamp_targets"
     vertices = getattr(body, "clamped" if clamps else "pins")[: len(given)]
     for follower in body._scene._followers.get(body._index, []):
@@ -353,6 +353,12 @@ def follow_pins(
     owner = f"'{body.name}'"
     followers = body._scene._followers
     if targets is None and displacement is None and rotation is None:
+        if vertices is not None or center is not None:
+            given = "center" if vertices is None else "vertices"
+            raise InvalidArgument(
+                f"{owner}: follow: {given} is given without a motion: must come with targets, displacement "
+                f"or rotation; to end the motions of all pins, leave it out"
+            )
         followers[body._index] = []
         if (core := _core_after_failure(body)) is not None:
             _let_pins_stay(body, core)

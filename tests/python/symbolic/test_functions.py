@@ -209,6 +209,11 @@ def test_functions_of_numbers_give_constants() -> None:
     assert float(sym.sqrt(4.0)) == 2.0
     assert float(sym.vec(1, 2, 3) @ (4, 5, 6)) == 32.0
     assert float(sym.where(sym.sqrt(4.0) > 1.0, 3.0, 5.0)) == 3.0
+    assert int(sym.sqrt(6.25)) == 2 and int(sym.exp(100.0)) == int(float(sym.exp(100.0)))
+    with pytest.raises(OverflowError, match="infinity"):
+        int(sym.exp(1e4))
+    with pytest.raises(ValueError, match="NaN"):
+        int(sym.sqrt(-1.0))
 
 
 @pytest.mark.parametrize(
