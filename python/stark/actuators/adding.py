@@ -35,7 +35,7 @@ def add_actuator(
     targets = [_target(scene, owner, entry) for entry in _entries(owner, on)]
     _check_names(owner, formula, values)
     if enabled is True and not isinstance(kind, ActuatorFormula):
-        _warn_of_another(scene, kind, targets)
+        _warn_of_another(kind, targets)
     index = scene._core.add_actuator(
         {
             "name": given_name(name),
@@ -52,7 +52,7 @@ def add_actuator(
     return actuator
 
 
-def _warn_of_another(scene: SceneLink, kind: str, targets: list[tuple[Joint, str]]) -> None:
+def _warn_of_another(kind: str, targets: list[tuple[Joint, str]]) -> None:
     """Of a second servo or motor on the same coordinate: whoever adds it wants other gains or another target
     more often than both at once."""
     if kind not in _DRIVES:

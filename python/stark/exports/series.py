@@ -7,7 +7,7 @@ import json
 import math
 from os import PathLike
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 from stark._core import InvalidArgument
 from stark.arguments import given_path
@@ -50,10 +50,10 @@ def _write_mcap(telemetry: Telemetry, path: Path) -> None:
         from mcap.writer import Writer
     except ImportError as error:
         raise ImportError(_MISSING.format("MCAP", "mcap")) from error
-    write_atomically(path, lambda file: _write_messages(Writer(file), telemetry, file))
+    write_atomically(path, lambda file: _write_messages(Writer(file), telemetry))
 
 
-def _write_messages(writer: Any, telemetry: Telemetry, file: BinaryIO) -> None:
+def _write_messages(writer: Any, telemetry: Telemetry) -> None:
     names = telemetry.names
     properties = {name: {"type": "number", "description": f"[{telemetry.unit(name)}]"} for name in names}
     schema = json.dumps({"type": "object", "properties": properties}).encode()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args, get_origi
 
 from stark._core import TraceError
 from stark.formulas.frames import Frame
-from stark.formulas.kinematics import Edge, Hinge, Point, Stencil, Tetrahedron, Triangle
+from stark.formulas.kinematics import Point, Stencil
 from stark.formulas.parameters import Declaration, Parameter
 from stark.formulas.parameters import parameter as declare
 from stark.symbolic.errors import formula_error
@@ -63,7 +63,6 @@ class ClockArgument:
 
 Argument = PointArgument | FrameArgument | ClockArgument | Parameter
 
-_STENCILS = (Edge, Triangle, Tetrahedron, Hinge)
 _CLOCKS = {Time: "time", TimeStep: "time_step"}
 _CHOICES = (
     "stark.Point, stark.Edge, stark.Triangle, stark.Tetrahedron, stark.Hinge, stark.Stencil[k], stark.Frame, "

@@ -77,7 +77,7 @@ def read_urdf(file: Path, packages: Mapping[str, Path]) -> RobotDescription:
         raise InvalidArgument(f"{report.source}: yourdfpy cannot read it: {error}") from None
     find = _Files(file, packages, report)
     colors = {m.name: m.color.rgba[:3] for m in robot.materials if m.color is not None}
-    links = [_link(link, find, colors, report) for link in robot.links]
+    links = [_link(link, find, colors) for link in robot.links]
     joints = [_joint(joint, report) for joint in robot.joints]
     check_inertias(links, report)
     return RobotDescription(robot.name, links, joints, report=report)
@@ -215,7 +215,7 @@ class _Files:
                 yield folder / inner
 
 
-def _link(link: Any, find: _Files, colors: Mapping[str, Floats], report: Report) -> Link:
+def _link(link: Any, find: _Files, colors: Mapping[str, Floats]) -> Link:
     title = f"link '{link.name}'"
     inertia = None
     if link.inertial is not None:

@@ -106,7 +106,7 @@ class _Reader:
         cells = self._cells(geometry, kind, len(start), title)
         rest, is_moved = self._rest(geometry, start, title)
         owner, held = self._held(self._holds(geometry, len(start), title), slice(0, len(start)), title)
-        thickness = self._thickness(geometry, cells, title) if kind == "Mesh" else 0.0
+        thickness = self._thickness(geometry, title) if kind == "Mesh" else 0.0
         material = self._material(geometry, title)
         young, rigidity = self._stiffness(material, kind, thickness, title)
         return Flex(
@@ -220,7 +220,7 @@ class _Reader:
             self._refuse(title, f"restShapePoints: {len(rest)} points: must be {len(start)}, as in points")
         return rest, not np.array_equal(rest, start)
 
-    def _thickness(self, geometry: Any, cells: Cells, title: str) -> float:
+    def _thickness(self, geometry: Any, title: str) -> float:
         """[m], one for all."""
         values = np.array(value_of(geometry, "physics:thicknesses", []), dtype=np.float64) * self.stage.metre
         if len(values) == 0:

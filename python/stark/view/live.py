@@ -11,7 +11,6 @@ import numpy as np
 
 #: Range of sliders of coordinates without limits [rad, m], and of rates without any [rad/s, m/s].
 _ANGLE, _RATE = math.pi, 10.0
-_DRIVEN = {"servos": "target", "motors": "rate", "efforts": "effort"}
 
 Command = Callable[[], object]
 Later = Callable[[Command], None]
