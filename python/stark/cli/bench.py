@@ -25,6 +25,8 @@ from .settings_arguments import add_option_argument, add_setting_arguments, pars
 RULES = ("residual", "any", "scene")
 _RESIDUAL, _CORRECTION = 1e-6, 1e-3  # [N s], [m/s]
 _GRAVITY, _NUDGE = (0.0, 0.0, -9.81), 1e-9
+#: Numbers of a report that are summed up.
+_COUNTS = ("newton_iterations", "linear_iterations", "factorizations", "rejected_steps")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -108,9 +110,7 @@ def measure(
     }
     checker = _IntersectionCheck.make() if check else None
     states: list[list[np.ndarray]] = []
-    totals = dict.fromkeys(("newton_iterations", "linear_iterations", "factorizations", "rejected_steps"), 0)
-    phases: dict[str, float] = {}
-    steps, largest_residual, smallest_distance, failure = 0, 0.0, math.inf, ""
+    totals = _Totals()
 
     calib_before = calibrate()
     wall, cpu = time.perf_counter(), time.process_time()
@@ -119,19 +119,11 @@ def measure(
         with sim._held_still("drive(sim) of the scene", DRIVE_RULE):
             scene_file.drive(sim)
         report = sim.step()
-        steps += 1
-        values = report_to_dict(report)
-        for key in totals:
-            totals[key] += int(values.get(key) or 0)
-        for key, seconds in (values.get("phases") or {}).items():
-            phases[key] = phases.get(key, 0.0) + float(seconds or 0.0)
-        largest_residual = max(largest_residual, float(values.get("residual") or 0.0))
-        distance = values.get("min_distance")
-        smallest_distance = min(smallest_distance, math.inf if distance is None else float(distance))
+        totals.add(report_to_dict(report))
         if checker:
             states.append([np.array(surface(body)[0], dtype=np.float64) for body in sim.bodies])
         if status_of(report) == "failed":
-            failure = str(report.message)
+            totals.failure = str(report.message)
             break
     cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
     calib = 0.5 * (calib_before + calibrate())
@@ -145,27 +137,48 @@ def measure(
         "cpu_s": round(cpu, 4),
         "calib_s": round(calib, 5),
         "ratio": round(cpu / calib, 2),
-        "steps": steps,
-        **totals,
-        "dofs": _dof_count(sim),
-        "max_residual_n": largest_residual,
-        "min_distance_m": smallest_distance if math.isfinite(smallest_distance) else None,
+        **totals.counts,
+        "dofs": int(sim._core.dof_count),
+        "max_residual_n": _finite(totals.largest_residual),
+        "min_distance_m": _finite(totals.smallest_distance),
         "intersections": checker.count(sim, states) if checker else None,
         "state_hash": sim.state.hash,
-        "phases": {key: round(seconds, 4) for key, seconds in phases.items()},
+        "phases": {key: round(seconds, 4) for key, seconds in totals.phases.items()},
         "observables": scene_file.observables(sim),
-        "failure": failure or None,
+        "failure": totals.failure or None,
     }
+
+
+class _Totals:
+    """Of the reports of all steps."""
+
+    def __init__(self) -> None:
+        self.counts: dict[str, int] = dict.fromkeys(("steps", *_COUNTS), 0)
+        self.phases: dict[str, float] = {}  # wall-clock time [s]
+        self.largest_residual = 0.0  # [N]
+        self.smallest_distance = math.inf  # [m]
+        self.failure = ""
+
+    def add(self, report: Mapping[str, Any]) -> None:
+        """A report as ``report_to_dict`` gives it: numbers that are not finite are None."""
+        self.counts["steps"] += 1
+        for key in _COUNTS:
+            self.counts[key] += report[key]
+        for key, seconds in report["phases"].items():
+            self.phases[key] = self.phases.get(key, 0.0) + seconds
+        residual, distance = report["residual"], report["min_distance"]
+        self.largest_residual = max(self.largest_residual, math.inf if residual is None else residual)
+        self.smallest_distance = min(self.smallest_distance, math.inf if distance is None else distance)
+
+
+def _finite(number: float) -> float | None:
+    return number if math.isfinite(number) else None
 
 
 def _time_step(settings: dict[str, Any]) -> float:
     import stark
 
     return float(settings.get("time_step", settings.get("time.step", stark.Settings().time.step)))
-
-
-def _dof_count(sim: Any) -> int:
-    return int(sim.dof_count if hasattr(sim, "dof_count") else sim._core.dof_count)
 
 
 class _IntersectionCheck:
