@@ -68,6 +68,27 @@ def _kept(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     return arrays
 
 
+def _check_entries(manifest: dict[str, Any]) -> None:
+    """Raises what ``_take_manifest`` reports for entries that are of the wrong type or out of range."""
+    if not 0 <= int(manifest["chunk_count"]) <= int(manifest["frame_count"]):
+        raise ValueError("chunk_count must be in [0, frame_count]")
+    for group in ("chain", "settings", "summary"):
+        if not isinstance(manifest.get(group, {}), dict):
+            raise TypeError(f"{group} must be an object")
+    gravity = manifest.get("settings", {}).get("gravity", [0.0, 0.0, 0.0])
+    is_vector = isinstance(gravity, list) and len(gravity) == 3 and None not in gravity
+    if not is_vector or not all(map(_is_number, gravity)):
+        raise TypeError("gravity must be a list of three numbers")
+    observables = manifest.get("summary", {}).get("observables", {})
+    if not isinstance(observables, dict) or not all(map(_is_number, observables.values())):
+        raise TypeError("observables must be an object of numbers")
+    if not isinstance(manifest.get("resumed", []), list):
+        raise TypeError("resumed must be a list")
+    size = manifest.get("chunk_frames", CHUNK_FRAMES)
+    if type(size) is not int or size < 1:
+        raise ValueError(f"chunk_frames = {size} must be an integer >= 1")
+
+
 class Recording:
     """A recorded run. Frames are read chunk by chunk, so a long recording need not fit into memory."""
 
@@ -75,41 +96,29 @@ class Recording:
         self.folder: Path = given_path(folder, "recording: folder")
         self._place = resolved(self.folder)  # where it is read, whatever the current folder will be
         self.manifest: dict[str, Any] = self._read_manifest()
-        try:
-            self.bodies: list[BodyEntry] = [_body(entry) for entry in self.manifest["bodies"]]
-            chunk_count = int(self.manifest["chunk_count"])
-            frame_count = int(self.manifest["frame_count"])
-            self.scene: str = str(self.manifest["scene"])
-            self.status: str = str(self.manifest["status"])
-            if not 0 <= chunk_count <= frame_count:
-                raise ValueError("chunk_count must be in [0, frame_count]")
-            if not isinstance(self.manifest.get("chain", {}), dict):
-                raise TypeError("chain must be an object")
-            for group in ("settings", "summary"):
-                if not isinstance(self.manifest.get(group, {}), dict):
-                    raise TypeError(f"{group} must be an object")
-            gravity = self.settings.get("gravity", [0.0, 0.0, 0.0])
-            is_vector = isinstance(gravity, list) and len(gravity) == 3 and None not in gravity
-            if not is_vector or not all(map(_is_number, gravity)):
-                raise TypeError("gravity must be a list of three numbers")
-            observables = self.manifest.get("summary", {}).get("observables", {})
-            if not isinstance(observables, dict) or not all(map(_is_number, observables.values())):
-                raise TypeError("observables must be an object of numbers")
-            if not isinstance(self.manifest.get("resumed", []), list):
-                raise TypeError("resumed must be a list")
-            size = self.manifest.get("chunk_frames", CHUNK_FRAMES)
-            if type(size) is not int or size < 1:
-                raise ValueError(f"chunk_frames = {size} must be an integer >= 1")
-            #: Fields that were recorded, and whether contacts were.
-            self.fields: list[FieldEntry]
-            self.has_contacts: bool
-            self.fields, self.has_contacts = read_entries(self.manifest, len(self.bodies))
-        except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
-            raise RecordingError(f"'{self.folder / MANIFEST}' lacks or breaks an entry: {error}") from error
+        frame_count, chunk_count = self._take_manifest()
         self._triangles = self._read_topology()
         self._cache: dict[int, dict[str, np.ndarray]] = {}
         self._field_cache: dict[int, dict[str, np.ndarray]] = {}
         self._telemetry: tuple[tuple[int, int, int], Telemetry] | None = None
+        self._read_times(frame_count, chunk_count)
+
+    def _take_manifest(self) -> tuple[int, int]:
+        """Takes what the manifest says; returns its numbers of frames and of chunks."""
+        try:
+            _check_entries(self.manifest)
+            self.bodies: list[BodyEntry] = [_body(entry) for entry in self.manifest["bodies"]]
+            self.scene: str = str(self.manifest["scene"])
+            self.status: str = str(self.manifest["status"])
+            #: Fields that were recorded, and whether contacts were.
+            self.fields: list[FieldEntry]
+            self.has_contacts: bool
+            self.fields, self.has_contacts = read_entries(self.manifest, len(self.bodies))
+            return int(self.manifest["frame_count"]), int(self.manifest["chunk_count"])
+        except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
+            raise RecordingError(f"'{self.folder / MANIFEST}' lacks or breaks an entry: {error}") from error
+
+    def _read_times(self, frame_count: int, chunk_count: int) -> None:
         times = [self._chunk(index)["times"] for index in range(chunk_count)]
         if self.status == "running" and times:
             # The last chunk grows at checkpoints; frames that the manifest does not count yet are not there.
@@ -275,19 +284,18 @@ class Recording:
 
     def _positions_at(self, which: int, index: int) -> np.ndarray:
         chunk, row = self._place_of(index)
-        positions = chunk[f"positions_{which:04d}"]
+        positions = self._chunk(chunk)[f"positions_{which:04d}"]
         frame: np.ndarray = positions[0 if len(positions) == 1 else row]
         return frame
 
-    def _place_of(self, index: int) -> tuple[dict[str, np.ndarray], int]:
-        """The chunk of a frame, and the frame's number in it."""
-        chunk_index = int(np.searchsorted(self._starts, index, side="right")) - 1
-        return self._chunk(chunk_index), index - int(self._starts[chunk_index])
+    def _place_of(self, frame: int) -> tuple[int, int]:
+        """Number of the chunk of a frame, and the frame's number in it."""
+        chunk = int(np.searchsorted(self._starts, frame, side="right")) - 1
+        return chunk, frame - int(self._starts[chunk])
 
     def field_row(self, frame: int) -> dict[str, np.ndarray]:
         """Fields and contacts of a frame as they are stored, see ``stark.recording.fields``."""
-        frame = self._frame_index(frame)
-        index = int(np.searchsorted(self._starts, frame, side="right")) - 1
+        index, row = self._place_of(self._frame_index(frame))
         if index not in self._field_cache:
             path, counts = self.folder / field_path(index), [body.vertex_count for body in self.bodies]
             length = int(self._starts[index + 1] - self._starts[index])
@@ -295,7 +303,7 @@ class Recording:
             if len(self._field_cache) >= 2:
                 self._field_cache.pop(next(iter(self._field_cache)))
             self._field_cache[index] = _kept(chunk)
-        return row_of(self._field_cache[index], frame - int(self._starts[index]))
+        return row_of(self._field_cache[index], row)
 
     def field(self, name: str, frame: int) -> dict[str, np.ndarray]:
         """A recorded field in a frame: values (n,) float32 at the drawn vertices, by name of body. Raises
@@ -323,7 +331,8 @@ class Recording:
 
     def digest(self, frame: int) -> np.ndarray:
         """Digest of a frame and all before it (32,) uint8, see ``stark.recording.chain``."""
-        chunk, row = self._place_of(self._frame_index(frame))
+        index, row = self._place_of(self._frame_index(frame))
+        chunk = self._chunk(index)
         if ARRAY not in chunk:
             raise RecordingError(f"'{self.folder}': frame {frame} lacks its digest; run the scene anew")
         digest: np.ndarray = chunk[ARRAY][row]
