@@ -16,7 +16,7 @@ import numpy as np
 
 from .certificate import NOT_RECORDED, VERIFIED, VIOLATED, Claim
 from .files import need, read_lines
-from .reading import Run
+from .run import Run
 
 _VERSION = 1
 _DIGEST = re.compile(rb',"chain":"([0-9a-f]{64})"\}\n?\Z')

@@ -20,7 +20,8 @@ from .inertia import InertiaCheck
 from .joints import JointCheck
 from .limits import excluded_pairs, limits_of
 from .prescribed import PrescribedCheck
-from .reading import Run, digest, read
+from .reading import digest, read
+from .run import Run
 from .shapes import ShapeCheck
 from .telemetry import friction_claim, ledger_claim, residual_claim, steps_claim
 

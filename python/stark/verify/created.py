@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .reading import Run, number
+from .run import Run, number
 
 #: Beyond this share of the largest energy, motion is no more that of the scene: an amplitude grows by half of
 #: it. Runs of the tests with implicit Euler stay below 2 %, most of them below 0.01 %.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .certificate import INCONCLUSIVE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
 from .chain import ChainCheck
 from .files import need, read_npz
-from .reading import Body, Run, State
+from .run import Body, Run, State
 
 Floats = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from .limits import excluded_pairs
 from .passing import changed_sides
 from .paths import blocked_pairs
 from .predicates import segments_meet_triangles
-from .reading import Run, State, number
 from .rigid_paths import between
+from .run import Run, State, number
 from .surface import PairList, Surface
 
 Floats = NDArray[np.float64]

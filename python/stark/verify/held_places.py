@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .reading import State, place_width
+from .run import State, place_width
 
 Floats = NDArray[np.float64]
 

@@ -20,8 +20,8 @@ from .files import need
 from .held_places import held_bodies
 from .multistep import Motion, Step, kinds_of_step, leading_momentum
 from .multistep import impulse as impulse_of_step
-from .reading import Body, Run, State, number
 from .rotation import held_turn, impulse, momentum, velocity
+from .run import Body, Run, State, number
 from .turning import wrong_velocity
 
 Floats = NDArray[np.float64]

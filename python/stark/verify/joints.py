@@ -15,7 +15,7 @@ from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, V
 from .formulas import Frames, UnknownFormula, evaluate
 from .held_places import carried, on_carrier, places, taken_anew
 from .joint_kinds import KINDS
-from .reading import Run, State, pair_count
+from .run import Run, State, pair_count
 from .stops import StopCheck
 
 Floats = NDArray[np.float64]

@@ -12,7 +12,7 @@ import numpy as np
 
 from .certificate import INCONCLUSIVE, NOT_RECORDED, VERIFIED, Claim
 from .created import created_energy
-from .reading import Run, pair_count
+from .run import Run, pair_count
 from .surface import exclusions, leaves_out_parts, length_without_contact
 
 #: Settings that bound something: unit and default. Values beyond it weaken a claim; 0 leaves a test of

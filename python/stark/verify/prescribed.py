@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .certificate import NOT_APPLICABLE, VERIFIED, VIOLATED, Claim
 from .predicates import segments_meet_triangles
-from .reading import Run, State
+from .run import Run, State
 from .surface import Surface
 
 Floats = NDArray[np.float64]

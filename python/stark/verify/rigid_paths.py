@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .reading import Body, State
 from .rotation import axis_and_angle
+from .run import Body, State
 
 Floats = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .certificate import NOT_APPLICABLE, VERIFIED, VIOLATED, Claim, comparable
-from .reading import Run, State
+from .run import Run, State
 
 #: Rounding of a pose times a vertex, over the size of the coordinates.
 _ROUNDING = 1e-12

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from .certificate import NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
-from .reading import Run, State
+from .run import Run, State
 
 _SLACK = 1e-6  # of a tolerance, for the rounding of rotations
 _ROUNDING = 1e-10  # of a coordinate

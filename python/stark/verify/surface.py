@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .boxes import BoxTree, overlapping_pairs
 from .distances import Kind
 from .files import need
-from .reading import Body, Run
+from .run import Body, Run
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

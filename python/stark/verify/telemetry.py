@@ -10,7 +10,7 @@ import numpy as np
 
 from .certificate import AS_REPORTED, INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
 from .created import created_energy
-from .reading import Run, number
+from .run import Run, number
 
 _TIME_ROUNDING = 1e-9  # of a time step
 #: Rounding of a balance over the sum of its terms.
