@@ -90,6 +90,11 @@ struct Model::Builder {
   /// Row of what a point between vertices, some of them embedded, follows.
   int32_t add_combined_row(const ModelBody& body, const Index4& vertices,
                            const std::array<double, 4>& weights);
+  /// Adds a site and its place, or direction, at rest; returns its number.
+  int32_t add_site(const Site& site, const Vec3& rest);
+  /// Of a point between vertices.
+  int32_t add_embedded_site(const ModelBody& body, const Index4& vertices,
+                            const std::array<double, 4>& weights);
   std::vector<int32_t> add_point_sites(const PointSet& points);
   void add_energy_sites();
   void add_energies();

@@ -27,18 +27,36 @@ int32_t Model::Builder::add_combined_row(const ModelBody& body, const Index4& ve
   return embedded.add_row(embedded.add_support(support), row);
 }
 
+int32_t Model::Builder::add_site(const Site& site, const Vec3& rest) {
+  sites.push_back(site);
+  model.rest_positions_.push_back(rest);
+  return static_cast<int32_t>(sites.size()) - 1;
+}
+
+int32_t Model::Builder::add_embedded_site(const ModelBody& body, const Index4& vertices,
+                                          const std::array<double, 4>& weights) {
+  Vec3 rest;
+  for (int i = 0; i < 4; ++i) rest += model.rest_positions_[body.first_site + vertices[i]] * weights[i];
+  Site site{.kind = SiteKind::Barycentric, .index = 0, .local = {}, .points = {}, .weights = {}};
+  if (std::ranges::any_of(vertices, [&](int32_t v) { return follows(body.first_site + v); })) {
+    site.kind = SiteKind::Embedded;
+    site.index = add_combined_row(body, vertices, weights);
+    return add_site(site, rest);
+  }
+  // Points come first among the sites.
+  for (int i = 0; i < 4; ++i) site.points[i] = body.first_site + vertices[i];
+  site.weights = weights;
+  return add_site(site, rest);
+}
+
 std::vector<int32_t> Model::Builder::add_point_sites(const PointSet& points) {
   std::vector<int32_t> result;
-  const auto add = [&](Site site, const Vec3& rest) {
-    result.push_back(static_cast<int32_t>(sites.size()));
-    sites.push_back(site);
-    model.rest_positions_.push_back(rest);
-  };
-  const auto add_local = [&](SiteKind kind, int32_t index, const Vec3& local, const Vec3& rest) {
-    add({.kind = kind, .index = index, .local = local, .points = {}, .weights = {}}, rest);
+  const auto add = [&](SiteKind kind, int32_t index, const Vec3& local, const Vec3& rest) {
+    const Site site{.kind = kind, .index = index, .local = local, .points = {}, .weights = {}};
+    result.push_back(add_site(site, rest));
   };
   if (points.kind == PointKind::WorldPoints) {
-    for (const Vec3& p : points.local) add_local(SiteKind::World, 0, p, p);
+    for (const Vec3& p : points.local) add(SiteKind::World, 0, p, p);
     return result;
   }
   if (points.kind == PointKind::Joined) {
@@ -50,43 +68,16 @@ std::vector<int32_t> Model::Builder::add_point_sites(const PointSet& points) {
   }
   const ModelBody& body = model.bodies_[points.body.index];
   const int32_t moving = body.rigid_index + std::max(points.node, 0);
-  switch (points.kind) {
-    case PointKind::Vertices:
-      for (const int32_t v : points.vertices) result.push_back(body.first_site + v);
-      break;
-    case PointKind::BodyPoints:
-      for (const Vec3& p : points.local)
-        add_local(SiteKind::RigidPoint, moving, transpose(body.axes) * (p - body.centre), p);
-      break;
-    case PointKind::BodyDirections:
-      for (const Vec3& d : points.local)
-        add_local(SiteKind::RigidDirection, moving, transpose(body.axes) * d, d);
-      break;
-    case PointKind::Embedded:
-      for (size_t k = 0; k < points.supports.size(); ++k) {
-        if (std::ranges::any_of(points.supports[k],
-                                [&](int32_t v) { return follows(body.first_site + v); })) {
-          const int32_t row = add_combined_row(body, points.supports[k], points.weights[k]);
-          Vec3 rest;
-          for (int i = 0; i < 4; ++i)
-            rest += model.rest_positions_[body.first_site + points.supports[k][i]] * points.weights[k][i];
-          add_local(SiteKind::Embedded, row, {}, rest);
-          continue;
-        }
-        Site site{.kind = SiteKind::Barycentric, .index = 0, .local = {}, .points = {}, .weights = {}};
-        Vec3 rest;
-        for (int i = 0; i < 4; ++i) {
-          site.points[i] = body.first_site + points.supports[k][i];  // points come first among the sites
-          site.weights[i] = points.weights[k][i];
-          rest += model.rest_positions_[site.points[i]] * site.weights[i];
-        }
-        add(site, rest);
-      }
-      break;
-    case PointKind::WorldPoints:
-    case PointKind::Joined:
-      break;
-  }
+  const Mat3 to_body = transpose(body.axes);
+  if (points.kind == PointKind::Vertices)
+    for (const int32_t v : points.vertices) result.push_back(body.first_site + v);
+  else if (points.kind == PointKind::BodyPoints)
+    for (const Vec3& p : points.local) add(SiteKind::RigidPoint, moving, to_body * (p - body.centre), p);
+  else if (points.kind == PointKind::BodyDirections)
+    for (const Vec3& d : points.local) add(SiteKind::RigidDirection, moving, to_body * d, d);
+  else
+    for (size_t k = 0; k < points.supports.size(); ++k)
+      result.push_back(add_embedded_site(body, points.supports[k], points.weights[k]));
   return result;
 }
 
