@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument, RodLaw, ShellLaw, SolidLaw
-from stark.arguments import nearest, refuse_masked, wrong_mass
+from stark.arguments import given_word, nearest, refuse_masked, wrong_mass
 from stark.attributes import own_names
 
 _LARGEST = float(np.finfo(np.float64).max)
@@ -85,6 +85,7 @@ class _Material(Generic[_CoreMaterial]):
         )
 
     def _assign(self, core: _CoreMaterial, name: str, source: str, law: Any, fields: _Fields) -> None:
+        given_word(name, f"{type(self).__name__}: name")
         for slot, value in zip(_Material.__slots__, (core, fields, None, law, name, source), strict=True):
             object.__setattr__(self, slot, value)
 
@@ -151,8 +152,7 @@ class _Material(Generic[_CoreMaterial]):
         return _rebuild, (type(self), self.name, self.source, law, self._all_values())
 
     def replace(self, *, name: str | None = None, **parameters: ArrayLike) -> Self:
-        """Copy with some parameters changed, each a number or an array with a value for each element; ranges
-        are checked."""
+        """Copy with other parameters: numbers, or arrays with a value for each element; ranges are checked."""
         new_name = self.name if name is None else name
         self._refuse_replaced(self.law, parameters, new_name)
         core, fields = self._changed(parameters, new_name)

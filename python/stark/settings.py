@@ -104,9 +104,9 @@ class Settings:
 
     def set_text(self, assignment: str) -> None:
         """Assigns from text, as on a command line: ``"newton.step_tolerance=1e-4"``."""
-        name, equals, text = assignment.partition("=")
-        if not equals:
-            raise InvalidSetting(f"'{assignment}': must have the form name=value")
+        if not isinstance(assignment, str) or "=" not in assignment:
+            raise InvalidSetting(f"{assignment!r}: must have the form name=value, a text")
+        name, _, text = assignment.partition("=")
         self._core.set_text(name.strip(), text.strip())
 
     def validate(self) -> None:

@@ -133,6 +133,15 @@ def test_numbers_in_quotes_are_refused() -> None:
     )
 
 
+def test_names_of_materials_are_texts() -> None:
+    cotton = stark.materials.cotton
+    assert cotton.replace(name="linen").name == "linen"
+    with pytest.raises(stark.InvalidArgument, match="ShellMaterial: name = nan: must be a text"):
+        cotton.replace(name=float("nan"))  # type: ignore[arg-type]
+    with pytest.raises(stark.InvalidArgument, match="RodMaterial: name = 3: must be a text"):
+        stark.RodMaterial(name=3)  # type: ignore[arg-type]
+
+
 def test_parameters_that_a_law_does_not_have_are_refused() -> None:
     """Young's modulus of the class stays in a material of another law, which does not read it."""
     mooney_rivlin = stark.materials.mooney_rivlin

@@ -22,6 +22,9 @@ def test_settings_by_attribute_by_name_and_by_text() -> None:
     settings.contact.enabled = False
     settings.set_text("linear.solver=pcg")
     settings.set_text("threads = 2")
+    for wrong in ("threads", 2, None):
+        with pytest.raises(stark.InvalidSetting, match=f"{wrong!r}: must have the form name=value"):
+            settings.set_text(wrong)  # type: ignore[arg-type]
     assert settings.changed() == {
         "time.step": 1 / 30,
         "newton.step_tolerance": 1e-4,
