@@ -1,4 +1,4 @@
-"""Mesh files: own readers of OBJ, PLY and STL, and the way to other libraries for everything else."""
+"""Mesh files: own readers of STL and NPZ, and the way to those of other files and to other libraries."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stark.arguments import given_flag, given_path
 from stark.files import read_bytes
 from stark.mesh.arguments import require_finite
 from stark.mesh.obj_files import read_obj, text_of, vertex_of
-from stark.mesh.polygons import triangulated
+from stark.mesh.ply_files import read_ply
 from stark.mesh.repair import merged, whole
 from stark.mesh.types import EmbeddedMesh, Mesh, SolidMesh, TetMesh, TriangleMesh
 from stark.mesh.usd_files import SUFFIXES, read_usd
@@ -62,7 +62,7 @@ def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
         raise InvalidMesh(f"'{file}': {error.strerror or error}: must be a readable mesh file") from None
     readers: dict[str, Callable[[bytes, Path], Mesh]] = {
         ".obj": lambda data, file: read_obj(data, file).surface,
-        ".ply": _read_ply, ".stl": _read_stl, ".npz": _read_npz,
+        ".ply": read_ply, ".stl": _read_stl, ".npz": _read_npz,
     }  # fmt: skip
     suffix = file.suffix.lower()
     if suffix in readers:
@@ -94,120 +94,6 @@ def _damage() -> tuple[type[Exception], ...]:
 
     lies = (ValueError, LookupError, TypeError, EOFError, OverflowError, MemoryError, NotImplementedError)
     return (*lies, zipfile.BadZipFile, zlib.error)
-
-
-_PLY_TYPES = {
-    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
-    "float": "f4", "double": "f8",
-    "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
-    "float32": "f4", "float64": "f8",
-}  # fmt: skip
-
-
-def _read_ply(data: bytes, file: Path) -> TriangleMesh:
-    end = data.find(b"end_header")
-    if not data.startswith(b"ply") or end < 0:
-        raise InvalidMesh("the file does not start with a PLY header")
-    body = data[data.index(b"\n", end) + 1 :]
-    layout = ""
-    elements: list[
-        tuple[str, int, list[tuple[str, str, str]]]
-    ] = []  # name, count, (name, type, type of list length)
-    for line in data[:end].decode("ascii").splitlines():
-        words = line.split()
-        if words[:1] == ["format"]:
-            layout = words[1]
-        elif words[:1] == ["element"]:
-            elements.append((words[1], int(words[2]), []))
-            if elements[-1][1] < 0:
-                raise InvalidMesh(f"{words[2]} elements '{words[1]}': must be at least none")
-        elif words[:2] == ["property", "list"]:
-            elements[-1][2].append((words[4], _PLY_TYPES[words[3]], _PLY_TYPES[words[2]]))
-        elif words[:1] == ["property"]:
-            elements[-1][2].append((words[2], _PLY_TYPES[words[1]], ""))
-    reader = (
-        _PlyText(body)
-        if layout == "ascii"
-        else _PlyBinary(body, ">" if layout == "binary_big_endian" else "<")
-    )
-    vertices: Any = np.empty((0, 3))
-    corners: list[int] = []
-    counts: list[int] = []
-    for name, count, properties in elements:
-        if not any(length for _, _, length in properties):
-            table = reader.table(count, properties)
-            if name == "vertex":
-                vertices = np.stack([np.asarray(table[axis], dtype=np.float64) for axis in "xyz"], axis=1)
-            continue
-        for _ in range(count):
-            for property_name, kind, length in properties:
-                entries = int(reader.values(length, 1)[0]) if length else 1
-                if entries < 0:
-                    raise InvalidMesh(f"a list of {entries} entries: must have at least none")
-                values = reader.values(kind, entries)
-                if name == "face" and property_name in ("vertex_indices", "vertex_index"):
-                    corners.extend(int(v) for v in values)
-                    counts.append(entries)
-    if reader.rest():
-        raise InvalidMesh(
-            "there is more behind the elements that its header declares: their counts and properties must "
-            "be those of the file; write it again"
-        )
-    _require_corners(corners, counts, len(vertices))
-    return TriangleMesh(vertices, triangulated(vertices, counts, corners, lambda k: f"'{file}': face {k}"))
-
-
-def _require_corners(corners: list[int], counts: list[int], count: int) -> None:
-    """That faces with so many corners each name vertices that are there."""
-    given = np.asarray(corners, dtype=np.int64)
-    wrong = np.flatnonzero((given < 0) | (given >= count))
-    if len(wrong):
-        face = int(np.searchsorted(np.cumsum(counts), wrong[0], side="right"))
-        raise InvalidMesh(
-            f"face {face} has the vertex {given[wrong[0]]}: must be in [0, {count - 1}], from 0 on"
-        )
-
-
-class _PlyText:
-    def __init__(self, body: bytes) -> None:
-        self._words = body.split()
-        self._at = 0
-
-    def values(self, kind: str, count: int) -> list[float]:
-        words = self._words[self._at : self._at + count]
-        if len(words) < count:
-            raise InvalidMesh("the file ends too early")
-        self._at += count
-        return [float(w) if kind[0] == "f" else int(w) for w in words]
-
-    def table(self, count: int, properties: list[tuple[str, str, str]]) -> dict[str, Any]:
-        rows = np.array(self.values("f8", count * len(properties))).reshape(count, len(properties))
-        return {name: rows[:, i] for i, (name, _, _) in enumerate(properties)}
-
-    def rest(self) -> list[bytes]:
-        return self._words[self._at :]
-
-
-class _PlyBinary:
-    def __init__(self, body: bytes, order: str) -> None:
-        self._body, self._order, self._at = body, order, 0
-
-    def values(self, kind: str, count: int) -> Any:
-        return self._take(np.dtype(self._order + kind), count)
-
-    def table(self, count: int, properties: list[tuple[str, str, str]]) -> Any:
-        return self._take(np.dtype([(name, self._order + kind) for name, kind, _ in properties]), count)
-
-    def _take(self, kind: np.dtype[Any], count: int) -> Any:
-        size = kind.itemsize * count
-        if self._at + size > len(self._body):
-            raise InvalidMesh("the file ends too early")
-        result = np.frombuffer(self._body, dtype=kind, count=count, offset=self._at)
-        self._at += size
-        return result
-
-    def rest(self) -> bytes:
-        return self._body[self._at :].strip()
 
 
 def _read_stl(data: bytes, _: Path) -> TriangleMesh:
