@@ -152,7 +152,7 @@ class _Material(Generic[_CoreMaterial]):
         return _rebuild, (type(self), self.name, self.source, law, self._all_values())
 
     def replace(self, *, name: str | None = None, **parameters: ArrayLike) -> Self:
-        """Copy with other parameters: numbers, or arrays with a value for each element; ranges are checked."""
+        """Copy with other parameters, numbers or arrays with a value for each element; ranges are checked."""
         new_name = self.name if name is None else name
         self._refuse_replaced(self.law, parameters, new_name)
         core, fields = self._changed(parameters, new_name)
