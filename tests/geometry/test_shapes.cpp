@@ -86,6 +86,7 @@ TEST_CASE("tet box: node and tet counts of the benchmark, volume, conformity") {
 
 TEST_CASE("bad parameters are refused") {
   CHECK_THROWS_AS(make_grid(0.0, 1.0, 2, 2), InvalidArgument);
+  CHECK_THROWS_WITH_AS(make_grid(-1e-9, 1.0, 2, 2), doctest::Contains("size_x is -1e-09 m"), InvalidArgument);
   CHECK_THROWS_AS(make_grid(1.0, 1.0, 0, 2), InvalidArgument);
   CHECK_THROWS_AS(make_box({1.0, -1.0, 1.0}), InvalidArgument);
   CHECK_THROWS_AS(make_icosphere(NAN, 2), InvalidArgument);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include <stark/base/error.h>
+#include <stark/base/settings.h>
 
 namespace stark {
 
@@ -15,8 +16,8 @@ namespace {
 
 void check_length(double value, const char* shape, const char* parameter) {
   if (!(value > 0.0) || !std::isfinite(value)) {
-    throw InvalidArgument(std::string(shape) + ": " + parameter + " is " + std::to_string(value) +
-                          " m; it must be positive and finite");
+    throw InvalidArgument(std::string(shape) + ": " + parameter + " is " + quantity_text(value, "m") +
+                          "; it must be positive and finite");
   }
 }
 
@@ -217,8 +218,8 @@ TriangleMesh make_torus(double major_radius, double minor_radius, int major_segm
   check_count(major_segments, 3, "torus", "major_segments");
   check_count(minor_segments, 3, "torus", "minor_segments");
   if (minor_radius >= major_radius) {
-    throw InvalidArgument("torus: minor_radius is " + std::to_string(minor_radius) +
-                          " m; it must be less than major_radius, " + std::to_string(major_radius) + " m");
+    throw InvalidArgument("torus: minor_radius is " + quantity_text(minor_radius, "m") +
+                          "; it must be less than major_radius, " + quantity_text(major_radius, "m"));
   }
   TriangleMesh mesh;
   for (int i = 0; i < major_segments; ++i) {
