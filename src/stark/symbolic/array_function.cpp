@@ -139,6 +139,7 @@ void ArrayFunctionState::import(std::span<const Scalar> given, std::span<const A
 void ArrayFunctionState::build(int order) {
   const std::lock_guard lock(mutex);
   std::vector<std::vector<Scalar>> groups{outputs};
+  std::vector<std::array<int, 2>> places;  // kept when all has worked: a build that fails is tried again
   if (order == 1) {
     std::vector<NodeId> nodes;
     for (const Scalar& y : outputs) nodes.push_back(y.is_literal() ? graph.constant(y.value()) : y.id());
@@ -150,11 +151,12 @@ void ArrayFunctionState::build(int order) {
         const Scalar entry(&graph, entries[i * inputs.size() + j]);
         if (entry.is_constant() && entry.value() == 0.0) continue;
         groups.back().push_back(entry);
-        first.push_back({static_cast<int>(i), variable[j]});
+        places.push_back({static_cast<int>(i), variable[j]});
       }
     }
   }
   function[order] = compile_function(groups, requested);
+  if (order == 1) first = std::move(places);
 }
 
 namespace {
