@@ -236,9 +236,13 @@ inline FieldValue to_field_value(nb::handle object) {
   }
   try {
     if (nb::hasattr(object, "__len__")) {
-      if (nb::len(object) == 3) {
+      if (nb::len(object) == 3 && !nb::isinstance<nb::bytes>(object)) {
         Vec3 v;
-        for (int i = 0; i < 3; ++i) v[i] = nb::cast<double>(nb::float_(object[i]));
+        for (int i = 0; i < 3; ++i) {
+          const nb::object entry = object[i];
+          if (nb::isinstance<nb::bool_>(entry)) return text(object);
+          v[i] = nb::cast<double>(nb::float_(entry));
+        }
         return v;
       }
     } else if (nb::hasattr(object, "__float__")) {

@@ -104,9 +104,12 @@ def test_a_text_that_was_read_is_set_as_text() -> None:
     assert settings.changed() == {"time.step": 0.01, "contact.self_contact": False}
 
 
-@pytest.mark.parametrize("value", [[[1, 2], [3]], [[0, 0, -1]], np.ones((1, 3)), (1, (2,), 3)])
-def test_vectors_are_not_nested(value: object) -> None:
-    """They were taken number by number."""
+@pytest.mark.parametrize(
+    "value",
+    [[[1, 2], [3]], [[0, 0, -1]], np.ones((1, 3)), (1, (2,), 3), b"abc", [True, False, True]],
+)
+def test_vectors_are_rows_of_three_numbers(value: object) -> None:
+    """What is nested was taken number by number, bytes by their codes."""
     with pytest.raises(stark.InvalidSetting, match=r"gravity = .*: must be three numbers"):
         stark.Settings(gravity=value)  # type: ignore[arg-type]
 
