@@ -157,7 +157,11 @@ def _body(entry: dict[str, Any], i: int, arrays: dict[str, np.ndarray]) -> Body:
     count, name = int(entry["vertex_count"]), str(entry["name"])
     triangles, edges = arrays[f"triangles_{i:04d}"], arrays[f"edges_{i:04d}"]
     for rows, width in ((triangles, 3), (edges, 2)):
-        need(rows.ndim == 2 and rows.shape[1] == width, f"body '{name}': topology of the shape {rows.shape}")
+        need(
+            rows.ndim == 2 and rows.shape[1] == width and rows.dtype.kind in "iu",
+            f"body '{name}': topology of the type {rows.dtype} and the shape {rows.shape}: must be rows of "
+            f"{width} integers",
+        )
         inside = rows.size == 0 or (rows.min() >= 0 and rows.max() < count)
         need(bool(inside), f"body '{name}': its topology names a vertex that it does not have")
     distance = float(entry["contact_distance"])

@@ -26,6 +26,15 @@ def _truncate(path: Path) -> None:
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
+def _edit_mesh(name: str, change: Callable[[Any], Any]) -> Callable[[Path], None]:
+    def edit(run: Path) -> None:
+        with np.load(run / "states/mesh.npz") as file:
+            arrays = dict(file)
+        np.savez(run / "states/mesh.npz", **{**arrays, name: change(arrays[name])})
+
+    return edit
+
+
 def _edit_json(name: str, change: Callable[[Any], None]) -> Callable[[Path], None]:
     def edit(run: Path) -> None:
         value = json.loads((run / name).read_text())
@@ -48,6 +57,12 @@ def _edit_json(name: str, change: Callable[[Any], None]) -> Callable[[Path], Non
         (lambda run: (run / "telemetry.jsonl").unlink(), "telemetry.jsonl' cannot be read"),
         (_edit_json("manifest.json", lambda m: m["states"].update(count=9)), "its manifest says 9"),
         (_edit_json("manifest.json", lambda m: m["states"].update(count="x")), "states.count is not a count"),
+        (_edit_mesh("triangles_0001", lambda a: a + 0.25), "topology of the type float64 and the shape"),
+        (
+            _edit_mesh("edges_0001", lambda a: np.zeros((1, 3), dtype=np.int32)),
+            r"int32 and the shape \(1, 3\)",
+        ),
+        (_edit_mesh("masses_0001", lambda a: a[1:]), "masses of the wrong shape"),
         (_edit_json("manifest.json", lambda m: m.update(version=9)), "not the manifest of a Stark recording"),
         (_edit_json("manifest.json", lambda m: m.pop("settings")), "has no settings"),
         (_edit_json("states/scene.json", lambda s: s.update(version=9)), "has version 9, not 2"),
