@@ -73,6 +73,9 @@ inline void read_rest(const Given& given, FibresDescription& fibres) {
   given.read("counts", counts);
   auto next = all.begin();
   for (const int32_t count : counts) {
+    if (count < 0 || count > all.end() - next)
+      throw InvalidArgument(given.owner() + ": counts: got " + std::to_string(count) + " vertices where " +
+                            std::to_string(all.end() - next) + " are left: must be those of each path");
     fibres.paths.emplace_back(next, next + count);
     next += count;
   }

@@ -162,3 +162,13 @@ def test_the_core_knows_its_kinds_of_points_and_frames() -> None:
         stark.InvalidArgument, match="frame: carrier = 'bodi': must be one of 'world', 'body'"
     ):
         _core.Scene().add_joint({"a": {**FRAME, "carrier": "bodi"}, "b": FRAME})
+
+
+@pytest.mark.parametrize("counts", [[3], [1, 2], [-1], [2**30]])
+def test_paths_of_fibres_have_the_vertices_that_are_given(counts: list[int]) -> None:
+    """The core read on behind them, as of files of steps that were written by hand."""
+    scene = stark.Scene()
+    scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=2))
+    given = {"name": "warp", "body": 0, "vertices": [0, 1], "counts": counts}
+    with pytest.raises(stark.InvalidArgument, match=r"'warp': counts: got -?\d+ vertices where \d+ are left"):
+        scene._core.add_fibres(given, stark.materials.steel_wire._core)
