@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +11,8 @@ import numpy as np
 from stark.body_kinds import row_of
 
 from .. import mesh as meshes
+
+_STEP = 1e-5  #: of a deformation gradient, in slopes
 
 
 class Deformation(NamedTuple):
@@ -82,6 +85,24 @@ def at_body(body: Any, deformation: Deformation, values: np.ndarray) -> np.ndarr
     return found
 
 
+def in_material(body: Any, gradients: np.ndarray, tensor: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Values (m, k, ...) of ``tensor`` at deformation gradients (m, k, 3, d). Cells of a lattice that are cut
+    have at their nodes the tangent about the middle of what is inside: beyond the surface their polynomials
+    may be turned inside out, where stresses are of any size, and means are to be of the material."""
+    values = tensor(gradients)
+    mesh = body.mesh
+    if not isinstance(mesh, meshes.EmbeddedMesh):
+        return values
+    parts = mesh.filling[:, 0]
+    means = mesh.filling[:, [1, 3, 9]] / np.where(parts > 0.0, parts, 1.0)[:, None]
+    middle = np.einsum("mn,mnij->mij", _shapes(2.0 * means - 1.0, gradients.shape[1]), gradients)[:, None]
+    away = gradients - middle
+    length = np.linalg.norm(away, axis=(-2, -1), keepdims=True)
+    step = away / np.where(length > 0.0, length, 1.0) * _STEP
+    slope = (tensor(middle + step) - tensor(middle - step)) / (2.0 * _STEP)
+    return np.where((parts < 1.0)[:, None, None, None], tensor(middle) + length * slope, values)
+
+
 @functools.cache
 def shape_slopes(nodes: int) -> np.ndarray:
     """Gradients of the shape functions of solid elements in their own coordinates at each node, (k, n, 3);
@@ -96,6 +117,12 @@ def shape_slopes(nodes: int) -> np.ndarray:
         lower[:, axis] = np.maximum(lower[:, axis] - 1, 0)
         slopes.append(powers[:, axis] * _monomials(at_nodes, lower) @ coefficients)
     return np.stack(slopes, axis=-1)
+
+
+def _shapes(points: np.ndarray, nodes: int) -> np.ndarray:
+    """Shape functions of a hexahedron at points (m, 3) within it, from -1 to 1: (m, n)."""
+    powers = _powers(nodes)
+    return np.asarray(_monomials(points, powers) @ np.linalg.inv(_monomials(_nodes(nodes), powers)))
 
 
 def _monomials(points: np.ndarray, powers: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from stark.body_kinds import has_pose, names_of, row_of
 from .._core import InvalidArgument
 from ..arguments import real_array
 from .choosing import matching
-from .deformation import Deformation, at_body, of_body
+from .deformation import Deformation, at_body, in_material, of_body
 
 
 class Field(NamedTuple):
@@ -167,7 +167,8 @@ def _strain(body: Any) -> np.ndarray:
         return strains
     deformation = of_body(body)
     F = deformation.gradients
-    left = F @ np.swapaxes(F, -1, -2)  # eigenvalues are squares of the principal stretches
+    # eigenvalues are squares of the principal stretches
+    left = in_material(body, F, lambda F: F @ np.swapaxes(F, -1, -2))
     if row_of(body).is_sheet:
         normals = np.cross(F[..., 0], F[..., 1])
         normals = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
@@ -179,7 +180,7 @@ def _strain(body: Any) -> np.ndarray:
 def _stress(body: Any) -> np.ndarray:
     if not row_of(body).has_triangles:
         return _rod_stress(body, body._shared["material"])
-    return von_mises(at_body(body, *body_stress(body)))
+    return von_mises(at_body(body, *body_stress(body, of_material=True)))
 
 
 def _plastic_strain(body: Any) -> np.ndarray:
@@ -192,21 +193,23 @@ def _plastic_strain(body: Any) -> np.ndarray:
     return at_body(body, deformation, values.mean(axis=1, keepdims=True))
 
 
-def body_stress(body: Any) -> tuple[Deformation, np.ndarray]:
+def body_stress(body: Any, *, of_material: bool = False) -> tuple[Deformation, np.ndarray]:
     """Of a cloth or a solid: its deformation, and the Cauchy stress in its elements (m, k, 3, 3) [Pa]; k = 1
-    where the material remembers."""
+    where the material remembers. ``of_material``: as ``in_material``, for means at vertices."""
     from .laws import stress_follows_from_strain
 
     material = body._shared["material"]
     deformation = of_body(body, material._fields.get("warp_direction"))
-    if stress_follows_from_strain(material, row_of(body).is_sheet):
-        elastic = deformation._replace(gradients=beyond_rest(body, deformation.gradients))
+    if not stress_follows_from_strain(material, row_of(body).is_sheet):
+        return deformation, _mean_stress(body, material)
+
+    def stress(F: np.ndarray) -> np.ndarray:
+        elastic = deformation._replace(gradients=beyond_rest(body, F))
         cauchy = cauchy_stress(material, elastic, body.name)
-        if body.active_stress.any():
-            cauchy = cauchy + _active_stress(body, deformation.gradients)
-    else:
-        cauchy = _mean_stress(body, material)
-    return deformation, cauchy
+        return cauchy + _active_stress(body, F) if body.active_stress.any() else cauchy
+
+    F = deformation.gradients
+    return deformation, in_material(body, F, stress) if of_material else stress(F)
 
 
 def _mean_stress(body: Any, material: Any) -> np.ndarray:

@@ -51,6 +51,8 @@ def tensor_values(sim: Any, name: str, bodies: Any = None, *, at: str = "vertice
     for body in (every[i] for i in indices):
         row = row_of(body)
         if row.strains and row.has_triangles:
-            deformation, values = kind.compute(body)
-            found[body.name] = values if at == "elements" else at_body(body, deformation, values)
+            if at == "elements":
+                found[body.name] = kind.compute(body)[1]
+            else:
+                found[body.name] = at_body(body, *body_stress(body, of_material=True))
     return found
