@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import numpy as np
 
 from .._core import InvalidArgument
 from ..arguments import given_path, real_number
-from ..array_file import naming, refuse_special
+from ..array_file import WriteError, naming, refuse_special
 from ..files import resolved
 from ..recording.format import RecordingError
 from ..recording.reader import Recording
@@ -71,10 +72,15 @@ def write_video(
         options["limits"] = _limits(recording, sorted(set(indices)), options)
     refuse_special(place)
     temporary = place.with_name(f".{place.stem}.part{place.suffix}")
-    temporary.unlink(missing_ok=True)
+    with naming(place):
+        temporary.unlink(missing_ok=True)
+        temporary.touch()
     try:
         writer: Any
-        with imageio.get_writer(temporary, fps=fps, macro_block_size=2, quality=8) as writer:
+        with (
+            _saying_why(temporary, place),
+            imageio.get_writer(temporary, fps=fps, macro_block_size=2, quality=8) as writer,
+        ):
             shown, picture = -1, None
             for done, index in enumerate(indices, start=1):
                 if index != shown:
@@ -86,11 +92,46 @@ def write_video(
                 writer.append_data(picture)
                 if progress:
                     progress(done, len(indices))
+        _require_whole(temporary, place, len(indices))
         with naming(place):
             temporary.replace(place)
     finally:
         temporary.unlink(missing_ok=True)
     return place
+
+
+@contextmanager
+def _saying_why(temporary: Path, place: Path) -> Iterator[None]:
+    """Names the film where ffmpeg has ended, which imageio tells as a broken pipe."""
+    try:
+        yield
+    except WriteError:
+        raise
+    except OSError as error:
+        raise _unfinished(temporary, place, "ffmpeg gave up") from error
+
+
+def _require_whole(temporary: Path, place: Path, count: int) -> None:
+    """Whether all pictures are there: ffmpeg writes the last of a film when it ends, and nobody looks at what
+    it returns."""
+    import imageio_ffmpeg
+
+    try:
+        found, _ = imageio_ffmpeg.count_frames_and_secs(str(temporary))
+    except (OSError, RuntimeError):
+        found = 0
+    if found != count:
+        raise _unfinished(temporary, place, f"ffmpeg left {found} of {count} pictures")
+
+
+def _unfinished(temporary: Path, place: Path, what: str) -> Exception:
+    """The error of the disk, if it takes nothing more, else ``what``."""
+    try:
+        with naming(place), temporary.open("ab") as file:
+            file.write(bytes(1 << 16))
+    except WriteError as error:
+        return error
+    return WriteError(f"'{place}' cannot be written: {what}; make room, or choose another place")
 
 
 def _require_film(path: Path, fps: float, speed: float) -> None:

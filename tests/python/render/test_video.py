@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -65,6 +66,35 @@ def test_other_films(tmp_path: Path, suffix: str) -> None:
     pytest.importorskip("imageio_ffmpeg")
     path = write_video(record(tmp_path / "run", 2), tmp_path / f"run{suffix}", width=64, height=48)
     assert path.suffix == suffix and path.stat().st_size > 500
+
+
+FULL_DISK = """
+import resource, sys
+from stark.cli import main
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, resource.RLIM_INFINITY))
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_films_that_were_not_written_whole_are_refused(tmp_path: Path) -> None:
+    """ffmpeg ends without its last part where a disk is full, and nobody looked: no player opens such films,
+    which have no index."""
+    pytest.importorskip("imageio_ffmpeg")
+    record(tmp_path / "run", 2)
+    film = tmp_path / "film.mp4"
+    command = ["video", str(tmp_path / "run"), "--out", str(film), "--size", "64x48"]
+    ended = subprocess.run([sys.executable, "-c", FULL_DISK, *command], capture_output=True, text=True)
+    assert ended.returncode == 1
+    assert ended.stderr.splitlines()[-1].startswith(f"stark: '{film}' cannot be written: ")
+    assert not list(tmp_path.glob("*film*"))
+
+
+def test_films_in_folders_that_take_no_files_are_refused(tmp_path: Path) -> None:
+    """ffmpeg said so in pages of its own."""
+    pytest.importorskip("imageio_ffmpeg")
+    film = tmp_path / "none" / "film.mp4"
+    with pytest.raises(stark.Error, match=r"none/film\.mp4' cannot be written: No such file or directory"):
+        write_video(record(tmp_path / "run", 2), film, width=64, height=48)
 
 
 def timed(folder: Path) -> Recording:
