@@ -107,8 +107,8 @@ void bind_time(Class& c) {
 
 void bind_bodies(Class& c) {
   def<&S::positions, &S::velocities, &S::target_pose, &S::surface_motion, &S::pin_targets, &S::pin_forces,
-      &S::clamp_targets, &S::clamp_torques, &S::mean_stresses, &S::section_wrenches, &S::holding_wrench>(
-      c, {"body"});
+      &S::clamp_targets, &S::clamp_torques, &S::mean_stresses, &S::volume_ratios, &S::section_wrenches,
+      &S::holding_wrench>(c, {"body"});
   def(c, "frames", nb::overload_cast<BodyId>(&S::frames, nb::const_), {"body"});
   def(c, "pose", both<&S::position, &S::rotation>, {"body"});
   def<&S::poses>(c, {"bodies"});

@@ -107,6 +107,23 @@ TEST_CASE("mean dilatation: affine motion has psi(F) times the volume and carrie
   }
 }
 
+TEST_CASE(
+    "mean dilatation: volume ratios are those of the motion, where they are linear in the rest position") {
+  for (const SolidMesh& mesh : single_elements())
+    for (const double slope : {0.0, 0.2}) {
+      if (slope > 0.0 && mesh.node_count() < 27) continue;  // theirs are constant
+      std::vector<Vec3> x = mesh.vertices;
+      for (Vec3& p : x) p.x += 0.3 * p.x + 0.5 * slope * p.x * p.x;
+      const std::vector<double> form = Bench(mesh).batch.volume_ratios(x);
+      REQUIRE(form.size() == 4);
+      // The sides of distorted elements of 27 nodes are quadratic, and x is more than that in them.
+      const double within = slope > 0.0 ? 0.002 : 1e-12;
+      CHECK(std::abs(form[0] - 1.3) < within);
+      CHECK(std::abs(form[1] - slope) < within);
+      CHECK(std::abs(form[2]) + std::abs(form[3]) < within);
+    }
+}
+
 TEST_CASE("mean dilatation: changes of volume within an element cost nothing, that of the element does") {
   const SolidLaw volume =
       define_solid_law("volume", "", [](PotentialBuilder&, const SolidDeformation& deformation) {

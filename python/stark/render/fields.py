@@ -204,12 +204,32 @@ def body_stress(body: Any, *, of_material: bool = False) -> tuple[Deformation, n
         return deformation, _mean_stress(body, material)
 
     def stress(F: np.ndarray) -> np.ndarray:
+        F = _seen(F)
         elastic = deformation._replace(gradients=beyond_rest(body, F))
         cauchy = cauchy_stress(material, elastic, body.name)
         return cauchy + _active_stress(body, F) if body.active_stress.any() else cauchy
 
-    F = deformation.gradients
+    F = _with_ratios(body, deformation.gradients)
     return deformation, in_material(body, F, stress) if of_material else stress(F)
+
+
+def _with_ratios(body: Any, F: np.ndarray) -> np.ndarray:
+    """Deformation gradients (m, k, 3, 3) of a solid of mean dilatation, and as a fourth column the volume
+    ratio that its law sees at each node; of other bodies as they are. [theory eq. 15c]"""
+    forms = np.reshape(body._require_simulation("stress")._core.volume_ratios(body._index), (-1, 4))
+    if not len(forms):
+        return F
+    ratios = forms[:, :1] + np.einsum("mni,mi->mn", body.mesh.vertices[body.mesh.elements], forms[:, 1:])
+    column = np.stack([ratios, 0.0 * ratios, 0.0 * ratios], axis=-1)[..., None]
+    return np.concatenate([F, column], axis=-1)
+
+
+def _seen(F: np.ndarray) -> np.ndarray:
+    """What the law of a point sees. [theory eq. 15b]"""
+    if F.shape[-1] < 4:
+        return F
+    F, ratios = F[..., :3], F[..., 0, 3]
+    return np.asarray(np.cbrt(ratios / np.linalg.det(F))[..., None, None] * F)
 
 
 def _mean_stress(body: Any, material: Any) -> np.ndarray:

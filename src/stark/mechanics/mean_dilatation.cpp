@@ -30,6 +30,7 @@ MeanDilatation::MeanDilatation(std::shared_ptr<const Potential> ratio, int point
 
 void MeanDilatation::resize(int64_t element_count) {
   shapes_.assign(static_cast<size_t>(element_count) * points_ * modes_, 0.0);
+  forms_.assign(static_cast<size_t>(element_count) * modes_ * 4, 0.0);
   weights_.assign(static_cast<size_t>(element_count) * points_, 0.0);
 }
 
@@ -41,18 +42,23 @@ void MeanDilatation::set_geometry(int64_t element, std::span<const double> weigh
   for (int q = 0; q < points_; ++q) volume += weights[q];
   for (int q = 0; q < points_; ++q) centre += positions[q] * (weights[q] / volume);
   double* shapes = shapes_.data() + element * points_ * modes_;
+  double* forms = forms_.data() + element * modes_ * 4;
   for (int k = 0; k < modes_; ++k) {  // Gram and Schmidt
     for (int q = 0; q < points_; ++q)
       shapes[q * modes_ + k] = k == 0 ? 1.0 : positions[q][k - 1] - centre[k - 1];
+    forms[4 * k] = k == 0 ? 1.0 : -centre[k - 1];
+    if (k > 0) forms[4 * k + k] = 1.0;
     for (int j = 0; j < k; ++j) {
       double overlap = 0.0;
       for (int q = 0; q < points_; ++q)
         overlap += weights[q] * shapes[q * modes_ + j] * shapes[q * modes_ + k];
       for (int q = 0; q < points_; ++q) shapes[q * modes_ + k] -= overlap * shapes[q * modes_ + j];
+      for (int i = 0; i < 4; ++i) forms[4 * k + i] -= overlap * forms[4 * j + i];
     }
     double square = 0.0;
     for (int q = 0; q < points_; ++q) square += weights[q] * shapes[q * modes_ + k] * shapes[q * modes_ + k];
     for (int q = 0; q < points_; ++q) shapes[q * modes_ + k] /= std::sqrt(square);
+    for (int i = 0; i < 4; ++i) forms[4 * k + i] /= std::sqrt(square);
   }
 }
 
@@ -65,6 +71,16 @@ void MeanDilatation::average(int64_t element, std::span<double> ratios) const {
     ratios[q] = 0.0;
     for (int k = 0; k < modes_; ++k) ratios[q] += modes_at(element, q)[k] * amplitudes[k];
   }
+}
+
+std::array<double, 4> MeanDilatation::linear_form(int64_t element, std::span<const double> ratios) const {
+  std::array<double, 4> form{};
+  for (int k = 0; k < modes_; ++k) {
+    double amplitude = 0.0;
+    for (int q = 0; q < points_; ++q) amplitude += weight(element, q) * modes_at(element, q)[k] * ratios[q];
+    for (int i = 0; i < 4; ++i) form[i] += amplitude * forms_[(element * modes_ + k) * 4 + i];
+  }
+  return form;
 }
 
 int MeanDilatation::output_count(Order order) {

@@ -3,6 +3,7 @@
 // it (step phase 4c). The energy stays a function of the nodes alone. [theory eq. 15b, 15c]
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -32,6 +33,8 @@ class MeanDilatation {
   double weight(int64_t element, int point) const { return weights_[element * points_ + point]; }
   /// Volume ratios of an element from those at its points, in place.
   void average(int64_t element, std::span<double> ratios) const;
+  /// The projection itself: a value at X = 0 and the slopes in X, of ratios at the points.
+  std::array<double, 4> linear_form(int64_t element, std::span<const double> ratios) const;
 
   static int output_count(symbolic::Order order);
   /// Evaluates `law`, compiled mean_dilatation_point(), in blocks of lanes [begin, end) that start with the
@@ -48,6 +51,7 @@ class MeanDilatation {
   std::shared_ptr<const Potential> ratio_;
   int points_ = 0, modes_ = 0;
   std::vector<double> shapes_;   ///< [element][point][mode]
+  std::vector<double> forms_;    ///< [element][mode][4] of the modes: a value at X = 0, slopes in X
   std::vector<double> weights_;  ///< [element][point]
 };
 

@@ -105,6 +105,19 @@ std::vector<double> QuadratureBatch::energies(std::span<const Vec3> x) const {
   return law_.evaluate(Order::Energy, columns(x));
 }
 
+std::vector<double> QuadratureBatch::volume_ratios(std::span<const Vec3> x) const {
+  std::vector<double> forms;
+  if (!dilatation_) return forms;
+  const std::vector<Vec3> at_points = columns(x);
+  std::vector<double> ratios(points_);
+  for (int64_t e = 0; e < size_; ++e) {
+    for (int q = 0; q < points_; ++q) ratios[q] = at_points[4 * (e * points_ + q) + 3].x;
+    const auto form = dilatation_->linear_form(e, ratios);
+    forms.insert(forms.end(), form.begin(), form.end());
+  }
+  return forms;
+}
+
 void QuadratureBatch::set_previous(std::span<const Vec3> x_prev) {
   const std::vector<Vec3> columns = columns_for(ElementField::Source::Previous, x_prev);
   if (!columns.empty()) law_.set_previous(columns);

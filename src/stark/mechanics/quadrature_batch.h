@@ -63,6 +63,10 @@ class QuadratureBatch {
   /// Energies of all quadrature points with nodes at x [J].
   std::vector<double> energies(std::span<const Vec3> x) const;
 
+  /// Of elements of mean dilatation, the volume ratio that the law sees: four numbers for each element, at
+  /// X = 0 and slopes in the rest position X. Empty for others.
+  std::vector<double> volume_ratios(std::span<const Vec3> x) const;
+
   /// Column j of F at a point with nodes at x.
   Vec3 column(int64_t element, int point, int j, std::span<const Vec3> x) const;
   /// Gradients of an element at a point, [3 directions][padded_nodes()], zero beyond the nodes.

@@ -134,6 +134,9 @@ class Simulation {
   /// surface times the thickness [N/m]: of the law, limits of Green strain and rest states, whatever the
   /// material remembers; without damping. Empty for other bodies. [theory eq. 10r]
   std::vector<Mat3> mean_stresses(BodyId body);
+  /// Of solids of mean dilatation, the volume ratio that the law sees, four numbers for each element: at the
+  /// origin of the mesh and slopes along its axes [1/m]. Empty for other bodies. [theory eq. 15c]
+  std::vector<double> volume_ratios(BodyId body) const;
   /// What the law of a solid or of the membrane of a cloth remembers; empty for others.
   std::vector<InternalVariable> internal_variables(BodyId body);
   /// Energies [J] of its elements in the state of the last step.

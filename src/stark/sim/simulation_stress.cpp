@@ -62,6 +62,13 @@ std::vector<Mat3> Simulation::mean_stresses(BodyId body) {
   return stresses;
 }
 
+std::vector<double> Simulation::volume_ratios(BodyId body) const {
+  const std::vector<Vec3> x = site_positions();
+  for (const ModelQuadrature& elements : energies_.quadrature)
+    if (elements.body == scene_.name(body)) return elements.batch.volume_ratios(x);
+  return {};
+}
+
 std::vector<InternalVariable> Simulation::internal_variables(BodyId body) {
   const InternalOfState now(energies_, state_.internal_variable);
   std::vector<InternalVariable> found;

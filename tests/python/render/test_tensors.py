@@ -219,3 +219,60 @@ def test_stress_of_what_remembers_is_without_damping() -> None:
     for report in sim.run(2.0):
         assert not report.failed, report.message
     np.testing.assert_allclose(stark.render.field_values(sim, "stress")["strip"], 2e4, rtol=1e-3)
+
+
+def quarter_of_tube(kind: str) -> stark.mesh.SolidMesh | stark.mesh.TetMesh:
+    """Radii of 0.1 and 0.2 m, 0.02 m long, 8 x 12 cells."""
+    make = stark.mesh.tet_box if kind == "tet10" else stark.mesh.box_hexahedra
+    cells = make(1.0, (8, 12, 1))
+    u, v, w = (cells.vertices + 0.5).T
+    radius, angle = 0.1 + 0.1 * u, v * np.pi / 2
+    bent = np.column_stack((radius * np.cos(angle), radius * np.sin(angle), 0.02 * w))
+    mesh = type(cells)(bent, cells.elements)
+    return mesh if kind == "hex8" else stark.mesh.to_quadratic(mesh)
+
+
+@pytest.mark.parametrize("kind", ["hex8", "hex27", "tet10"])
+def test_stress_of_mean_dilatation_is_that_of_lame(kind: str) -> None:
+    """A tube of hardly compressible rubber under inner pressure p. The volume ratio of single nodes, which
+    the law does not see, gave radial stresses of up to 370 p in place of -p."""
+    mesh, p = quarter_of_tube(kind), 1e3
+    x, y, z = mesh.vertices.T
+    r = np.hypot(x, y)
+    scene = stark.Scene()
+    rubber = stark.SolidMaterial(density=1000.0, youngs_modulus=1e6, poissons_ratio=0.4999)
+    tube = scene.add_solid(mesh, rubber, formulation="mean_dilatation", position=(0.3, 0.0, 0.2), name="tube")
+    for normal, held in (("x", x < 1e-9), ("y", y < 1e-9), ("z", (z < 1e-9) | (z > 0.02 - 1e-9))):
+        scene.add_rollers(tube.vertices[held], normal)
+    inside = r < 0.1 + 1e-3
+    scene.add_face_pressure(tube.faces[inside[tube.triangles].all(axis=1)], p)
+    sim = stark.Simulation(scene, time={"integrator": "quasistatic"}, time_step=1.0, gravity=(0, 0, 0))
+    assert not sim.step().failed
+    stress, out = stark.render.tensor_values(sim, "stress")["tube"], np.column_stack((x / r, y / r, 0.0 * r))
+    around = np.column_stack((-out[:, 1], out[:, 0], 0.0 * r))
+    radial, hoop = (np.einsum("ni,nij,nj->n", n, stress, n) / p for n in (out, around))
+    middle = np.abs(r - 0.15) < 1e-3
+    assert radial[middle] == pytest.approx((1.0 - 0.04 / 0.0225) / 3.0, abs=0.01)
+    assert hoop[middle] == pytest.approx((1.0 + 0.04 / 0.0225) / 3.0, abs=0.01)
+    assert radial[inside] == pytest.approx(-1.0, abs=0.12)  # linear elements: the mean of the first cell
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_stress_of_mean_dilatation_in_a_lattice_is_the_pressure_around(order: int) -> None:
+    turned = stark.mesh.box((0.2, 0.1, 0.1)).rotated(stark.rotation(axis=(1, 2, 3), angle=0.7))
+    scene = stark.Scene()
+    rubber = stark.SolidMaterial(density=1000.0, youngs_modulus=1e6, poissons_ratio=0.4999)
+    block = scene.add_solid(
+        stark.mesh.lattice(turned, cell_size=0.05, order=order),
+        rubber,
+        formulation="mean_dilatation",
+        name="block",
+    )
+    scene.add_pressure(block, -1e3)  # outside over inside
+    sim = stark.Simulation(scene, time_step=0.5, gravity=(0, 0, 0))
+    for _ in range(10):
+        assert not sim.step().failed
+    stress = stark.render.tensor_values(sim, "stress")["block"] / 1e3
+    pressure = -np.trace(stress, axis1=1, axis2=2) / 3.0
+    assert np.mean(pressure) == pytest.approx(1.0, abs=0.02)
+    assert np.std(pressure) < 0.25  # most of it in slivers
