@@ -11,6 +11,8 @@ namespace {
 
 /// Of the stiffness of joints: what holds the motions that they leave free.
 constexpr double kHeld = 1e-8;
+/// Of the stiffness of a joint: what rounding errors of the weights of points in elements have of it.
+constexpr double kRounding = 1e-20;
 /// Solutions with what the one before has left, which is a small part of what kHeld holds.
 constexpr int kPasses = 2;
 /// Independent rows that a constraint of two frames has at most.
@@ -22,6 +24,16 @@ bool is_any(const std::vector<bool>& flags) { return std::ranges::find(flags, tr
 
 size_t diagonal_slot(const BlockMatrix& matrix, int32_t block) {
   return 9 * static_cast<size_t>(matrix.pattern.row_start[block]);
+}
+
+double stiffness_at(const BlockMatrix& matrix, int32_t block) {
+  const double* diagonal = matrix.values.data() + diagonal_slot(matrix, block);
+  return diagonal[0] + diagonal[4] + diagonal[8];
+}
+
+void add_stiffness(BlockMatrix& matrix, int32_t block, double stiffness) {
+  double* diagonal = matrix.values.data() + diagonal_slot(matrix, block);
+  for (const size_t k : {0, 4, 8}) diagonal[k] += stiffness;
 }
 
 }  // namespace
@@ -225,11 +237,19 @@ void SelfStress::factorise(const Configuration& configuration, std::span<const V
   const size_t blocks = static_cast<size_t>(map_.layout().block_count);
   gradient_.assign(3 * blocks, 0.0);
   assembler_->assemble(configuration, x, {.project = true, .pending = {}}, gradient_, hessian_);
-  for (size_t b = 0; b < blocks; ++b) {
-    double* diagonal = hessian_.values.data() + diagonal_slot(hessian_, static_cast<int32_t>(b));
-    const double stiffness = diagonal[0] + diagonal[4] + diagonal[8];
-    for (const size_t k : {0, 4, 8}) diagonal[k] += stiffness > 0.0 ? kHeld * stiffness : 1.0;
+  // What a constraint moves by nothing but rounding errors would move by any amount.
+  std::vector<std::pair<int32_t, double>> still;
+  for (const Member& member : members_) {
+    double largest = 0.0;
+    for (const int32_t block : member.blocks) largest = std::max(largest, stiffness_at(hessian_, block));
+    for (const int32_t block : member.blocks)
+      if (stiffness_at(hessian_, block) < kRounding * largest) still.emplace_back(block, largest);
   }
+  for (size_t b = 0; b < blocks; ++b) {
+    const double stiffness = stiffness_at(hessian_, static_cast<int32_t>(b));
+    add_stiffness(hessian_, static_cast<int32_t>(b), stiffness > 0.0 ? kHeld * stiffness : 1.0);
+  }
+  for (const auto& [block, stiffness] : still) add_stiffness(hessian_, block, stiffness);
   solver_->begin_step();
   is_factorised_ = false;
 }
