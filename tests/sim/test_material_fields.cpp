@@ -140,5 +140,5 @@ TEST_CASE("bending of cloth may differ from triangle to triangle") {
   CHECK(contains(message_of(cloth), "flexural_rigidity = -1 N m: must be >= 0"));
   SolidDescription solid = box();
   solid.fields = {{"bending_stiffness", {{1.0}, false}}};
-  CHECK(contains(message_of(solid), "has no such parameter"));
+  CHECK(contains(message_of(solid), "has no such parameter by element; give one value for the whole body"));
 }

@@ -172,6 +172,13 @@ ParameterDeclaration declaration_in(const FieldTable& table, const char* name) {
 
 std::string law_name(const auto& body, const char* fallback) { return body.law ? body.law->name : fallback; }
 
+std::string in_words(const std::vector<std::string>& names) {
+  std::string text;
+  for (size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];
+  return text;
+}
+
 template <typename Description>
 void check(std::string_view owner, const Description& body, const char* default_law) {
   std::vector<ParameterDeclaration> declarations = parameters_of(definition_of(body));
@@ -194,7 +201,8 @@ void check(std::string_view owner, const Description& body, const char* default_
   for (const auto& [name, value] : body.fields)
     if (std::ranges::find(names, name) == names.end())
       throw InvalidArgument(std::string(owner) + ": field '" + name + "': " + law +
-                            " has no such parameter; leave it out" + nearest_name_hint(name, names));
+                            " has no such parameter by element; give one value for the whole body, or " +
+                            "values of " + in_words(names) + nearest_name_hint(name, names));
   for (const ParameterDeclaration& d : declarations)
     if (const auto found = values.find(d.name); found != values.end())
       check_values(owner, d, found->second, element_count(body));

@@ -370,3 +370,31 @@ def test_a_ring_that_meets_its_own_end_is_told_how_to_close() -> None:
     assert "'ring' touches itself at time 0 near (0.1, " in str(refused.value)
     assert "of a ring leave out the last segment and weld the ends" in str(refused.value)
     assert "self_contact = false" in str(refused.value)
+
+
+def test_what_is_one_for_a_whole_rod_is_told_with_what_is_not() -> None:
+    """Of a rod that tapers."""
+    tapered = stark.RodMaterial(radius=np.linspace(2e-3, 1e-3, 10))
+    with pytest.raises(
+        stark.InvalidArgument, match="give one value for the whole body, or values of axial_st"
+    ):
+        stark.Scene().add_rod(stark.mesh.polyline((0, 0, 0), (1, 0, 0), 10), tapered)
+
+
+def test_a_rod_that_tapers_bends_by_its_stiffness_of_each_segment() -> None:
+    """A cantilever of half the radius at its end under a small force there: f (L - s)^2 / B(s), summed."""
+    count, length, young, force = 40, 0.5, 1e8, 1e-3
+    radius = 4e-3 * (1.0 - 0.5 * (np.arange(count) + 0.5) / count)
+    bending = young * np.pi * radius**4 / 4.0
+    tapered = stark.RodMaterial(density=1000.0, youngs_modulus=young, radius=4e-3).replace(
+        bending_stiffness_1=bending, bending_stiffness_2=bending
+    )
+    scene = stark.Scene()
+    rod = scene.add_rod(stark.mesh.polyline((0, 0, 0), (length, 0, 0), count), tapered, clamps=[0])
+    scene.add_force(rod.vertices[[count]], (0, 0, force))
+    sim = stark.Simulation(scene, time={"integrator": "quasistatic"}, time_step=1.0, gravity=(0, 0, 0))
+    assert not sim.step().failed
+    s = length * (np.arange(20000) + 0.5) / 20000
+    stiffness = young * np.pi / 4.0 * (4e-3 * (1.0 - 0.5 * s / length)) ** 4
+    exact = length * np.mean(force * (length - s) ** 2 / stiffness)
+    assert rod.positions[-1, 2] == pytest.approx(exact, rel=2e-3)
