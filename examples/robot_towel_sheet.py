@@ -37,7 +37,7 @@ def rows(study: Study) -> list[dict[str, Any]]:
 def table(study: Study) -> str:
     """As Markdown: outcome beside that of the laboratory, ways [m, mm], iterations and CPU time [min] of each
     run."""
-    names = ("towel", "floor", "laboratory", "outcome", "robot went [m]", "towel went [mm]")
+    names = ("towel", "floor", "laboratory", "outcome", "robot moved [m]", "towel moved [mm]")
     lines = [f"| {' | '.join(names)} | Newton iterations | CPU [min] |", "|---|---|---|---|--:|--:|--:|--:|"]
     for row in rows(study):
         ways = f"{row['observables.robot_went']:.3f} | {1e3 * row['observables.towel_went']:,.2f}"
