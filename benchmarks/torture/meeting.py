@@ -14,7 +14,7 @@ import stark
 from stark.recording.masses import edge_lengths
 from stark.recording.states import describe
 from stark.verify.geometry import GeometryCheck
-from stark.verify.reading import Body, Run, State
+from stark.verify.run import Body, Run, State
 
 Floats = NDArray[np.float64]
 Pairs = set[tuple[int, int]]  # numbers of bodies, the smaller first
