@@ -1,7 +1,7 @@
-# stark_layer(name DEPENDS other...): one static library per architectural layer (see ARCHITECTURE.md).
+# stark_layer(name PARTS folder... DEPENDS other...): one static library per architectural layer (see ARCHITECTURE.md).
 # A layer links only the layers below it, so an upward include fails to link and tools/check_layers.py fails first.
 function(stark_layer name)
-  cmake_parse_arguments(LAYER "" "" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(LAYER "" "" "PARTS;DEPENDS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
   if(sources)
     add_library(stark_${name} STATIC ${sources})

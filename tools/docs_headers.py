@@ -28,7 +28,7 @@ class Declaration(NamedTuple):
 
 
 def public_headers(root: Path) -> list[str]:
-    """Headers that <stark/stark.h> brings, "stark/sim/scene.h" among them."""
+    """Headers that <stark/stark.h> brings, "stark/sim/scene/scene.h" among them."""
     return re.findall(r"^#include <(stark/[^>]+)>", (root / UMBRELLA).read_text("utf-8"), re.MULTILINE)
 
 

@@ -1,7 +1,7 @@
 // Time of energy and of gradient with projected Hessian, assembled into the block matrix, per element of each
 // type with the stable Neo-Hookean law, on one thread. usage: bench_elements
 #include <stark/mechanics/assembler.h>
-#include <stark/sim/registry.h>
+#include <stark/sim/scene/registry.h>
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 // Time per element of every registered potential on every back end of this machine, and time to build its
 // kernel. usage: bench_potentials [--json]
-#include <stark/sim/registry.h>
+#include <stark/sim/scene/registry.h>
 
 #include <algorithm>
 #include <chrono>

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 import stark
 from stark.verify.geometry import GeometryCheck
-from stark.verify.run import State
 from stark.verify.rigid_paths import between, largest_turn
+from stark.verify.run import State
 
 from .meeting import Meeting, Pairs, state_of
 

@@ -23,8 +23,8 @@
 #include <stark/base/choices.h>
 #include <stark/collision/intersection.h>
 #include <stark/mechanics/declaration_readings.h>
-#include <stark/sim/report_readings.h>
-#include <stark/sim/scene_readings.h>
+#include <stark/sim/scene/scene_readings.h>
+#include <stark/sim/step/report_readings.h>
 #include <stark/symbolic/kernel.h>
 
 #include "domains.h"
@@ -126,7 +126,7 @@ auto to_numpy(std::vector<Value> values) {
   return to_numpy(std::move(values), {count, columns});
 }
 
-/// Number of a part of a scene (sim/ids.h).
+/// Number of a part of a scene (sim/scene/ids.h).
 template <typename T>
 concept IsId = std::is_aggregate_v<T> && sizeof(T) == sizeof(int32_t) && requires(T id) {
   { id.index } -> std::same_as<int32_t&>;

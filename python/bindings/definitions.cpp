@@ -1,7 +1,7 @@
 // Bindings of what is registered by name: potentials, constitutive laws, joints and actuators. The front ends
 // are stark/materials.py, stark/joints and stark/actuators.
 #include <stark/mechanics/law_elements.h>
-#include <stark/sim/registry.h>
+#include <stark/sim/scene/registry.h>
 
 #include "functions.h"
 

@@ -1,8 +1,8 @@
 // Descriptions of what is added to scenes, from dictionaries of the Python front end: their fields
-// (sim/description_fields.h) by name, and what those are made of.
+// (sim/scene/description_fields.h) by name, and what those are made of.
 #pragma once
 
-#include <stark/sim/scene.h>
+#include <stark/sim/scene/scene.h>
 
 #include "solid_mesh.h"
 

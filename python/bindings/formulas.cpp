@@ -4,7 +4,7 @@
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/formula_sample.h>
 #include <stark/mechanics/law_density.h>
-#include <stark/sim/registry.h>
+#include <stark/sim/scene/registry.h>
 #include <stark/symbolic/substitute.h>
 
 #include "symbolic.h"

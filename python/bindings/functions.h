@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <stark/mechanics/field_values.h>
-#include <stark/sim/description_fields.h>
+#include <stark/sim/scene/description_fields.h>
 
 #include "casters.h"
 
@@ -118,7 +118,7 @@ class Given {
   void read(const char* key, ParameterValues& out) const {
     if (const nb::object entry = find(key)) out = parameter_values_of(entry, owner_);
   }
-  /// What the description declares (sim/description_fields.h), by the names of its members.
+  /// What the description declares (sim/scene/description_fields.h), by the names of its members.
   template <typename Description>
   Description description() const {
     Description description;

@@ -1,5 +1,5 @@
 // Bindings of what a step reports: numbers of the step, and the diagnosis of one that failed. What they have
-// to tell is listed in sim/report_readings.h.
+// to tell is listed in sim/step/report_readings.h.
 #include "functions.h"
 #include "stepping.h"
 

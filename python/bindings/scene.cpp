@@ -1,8 +1,8 @@
 // Bindings of the scene description. The Python front end is stark/scene.py and its siblings.
-#include <stark/sim/contact_distance.h>
-#include <stark/sim/layers.h>
-#include <stark/sim/lumped_mass.h>
-#include <stark/sim/unit_checks.h>
+#include <stark/sim/scene/contact_distance.h>
+#include <stark/sim/scene/layers.h>
+#include <stark/sim/scene/lumped_mass.h>
+#include <stark/sim/scene/unit_checks.h>
 
 #include "descriptions.h"
 

@@ -1,7 +1,7 @@
 // Bindings of settings and materials, through their descriptor tables. The Python front ends are
 // stark/settings.py and stark/materials.py.
-#include <stark/sim/materials.h>
-#include <stark/sim/settings.h>
+#include <stark/sim/scene/materials.h>
+#include <stark/sim/scene/settings.h>
 
 #include "functions.h"
 

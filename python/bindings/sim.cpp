@@ -2,7 +2,7 @@
 #include <stark/base/hash.h>
 #include <stark/base/thread_pool.h>
 #include <stark/sim/contact_arrays.h>
-#include <stark/sim/placing.h>
+#include <stark/sim/step/placing.h>
 
 #include "functions.h"
 #include "stepping.h"

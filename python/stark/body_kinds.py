@@ -1,5 +1,5 @@
 """The kinds of bodies, a row each: what pictures, recordings and documents ask of a kind, so that nothing
-else tells kinds apart by name. The core has a table of its own (src/stark/sim/body_kind.h)."""
+else tells kinds apart by name. The core has a table of its own (src/stark/sim/scene/body_kind.h)."""
 
 from __future__ import annotations
 

@@ -19,8 +19,8 @@ deg: float = math.pi / 180.0
 """One degree in radians: ``90 * stark.deg``."""
 
 LARGEST = 1e150
-"""Of components of vectors, as in sim/validation.cpp: lengths are roots of sums of squares, which overflow
-beyond."""
+"""Of components of vectors, as in sim/scene/validation.cpp: lengths are roots of sums of squares, which
+overflow beyond."""
 
 _WHOLE_RADIANS = 25
 """Four turns: an integer beyond is probably of degrees. A rate times a time is a float."""

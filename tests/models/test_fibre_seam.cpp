@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include <stark/base/rotation.h>
-#include <stark/sim/registry.h>
+#include <stark/sim/scene/registry.h>
 #include <support/model_checks.h>
 
 using namespace stark;

@@ -1,7 +1,7 @@
 // Hinges that yield: energy of a fold below and above the yield moment, about a rest angle.
 #include <doctest/doctest.h>
 
-#include <stark/sim/registry.h>
+#include <stark/sim/scene/registry.h>
 #include <support/hinge.h>
 
 using namespace stark;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include <stark/sim/registry.h>
+#include <stark/sim/scene/registry.h>
 #include <support/rod_bench.h>
 
 using namespace stark;

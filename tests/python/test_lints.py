@@ -55,6 +55,29 @@ def test_layers_reports_a_forbidden_include(tree: Path, file: str, include: str,
     assert file in errors[0]
 
 
+@pytest.mark.parametrize(
+    ("file", "include", "forbidden"),
+    [
+        ("scene/x.h", "model/x.h", True),
+        ("scene/x.h", "y.h", True),
+        ("model/x.h", "scene/x.h", False),
+        ("model/x.h", "model/z.h", False),
+        ("y.h", "model/x.h", False),
+    ],
+)
+def test_parts_of_a_layer_do_not_see_those_above_them(
+    tree: Path, file: str, include: str, forbidden: bool
+) -> None:
+    listed = LAYERS + "stark_layer(sim PARTS scene model DEPENDS base)\n"
+    (tree / "src/stark/CMakeLists.txt").write_text(listed)
+    for folder in ("scene", "model"):
+        (tree / "src/stark/sim" / folder).mkdir(parents=True)
+    (tree / "src/stark/sim" / file).write_text(f"#include <stark/sim/{include}>\n")
+    errors = check_layers.check(tree)
+    assert len(errors) == forbidden
+    assert not forbidden or f"src/stark/sim/{file} includes stark/sim/{include}" in errors[0]
+
+
 def test_layers_reports_a_cycle_and_a_stray_folder(tree: Path) -> None:
     (tree / "src/stark/CMakeLists.txt").write_text(LAYERS.replace("(base)", "(base DEPENDS linalg)"))
     assert any("base depends on linalg" in error for error in check_layers.check(tree))

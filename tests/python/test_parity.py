@@ -212,7 +212,7 @@ def test_the_tables_are_whole() -> None:
         "[theory](theory.md#magic)",
         "test `test_parity.py::test_nothing`",
         "test `test_bad_input.py::test_bad_input_is_refused[good input]`",
-        "test `sim/test_step_runner.cpp::a step that flies`",
+        "test `sim/step/test_step_runner.cpp::a step that flies`",
         "`stark.Scene` somewhere",
         "thing `x`",
     ],

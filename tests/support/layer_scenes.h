@@ -7,7 +7,7 @@
 #include <string>
 
 #include <stark/geometry/shapes.h>
-#include <stark/sim/scene.h>
+#include <stark/sim/scene/scene.h>
 
 namespace stark::test {
 

@@ -10,10 +10,10 @@
 #include <stark/base/rotation.h>
 #include <stark/contact/contact_set.h>
 #include <stark/geometry/intersection.h>
-#include <stark/sim/contact_distance.h>
-#include <stark/sim/not_finite.h>
-#include <stark/sim/script_phase.h>
-#include <stark/sim/validation.h>
+#include <stark/sim/model/script_phase.h>
+#include <stark/sim/scene/contact_distance.h>
+#include <stark/sim/scene/validation.h>
+#include <stark/sim/step/not_finite.h>
 
 namespace stark {
 

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include <stark/collision/intersection.h>
-#include <stark/sim/energies.h>
-#include <stark/sim/internal_variables.h>
-#include <stark/sim/model.h>
-#include <stark/sim/step_report.h>
-#include <stark/sim/time_marks.h>
+#include <stark/sim/model/energies.h>
+#include <stark/sim/model/internal_variables.h>
+#include <stark/sim/model/model.h>
+#include <stark/sim/step/step_report.h>
+#include <stark/sim/step/time_marks.h>
 
 namespace stark {
 
@@ -61,8 +61,8 @@ class Simulation {
   int32_t dof_count() const { return 3 * model_->map().layout().block_count; }
 
   // Placing: free bodies are put elsewhere, or get other velocities, between two steps. Contact, friction,
-  // joints and the integrator start anew for them (sim/placing.h); sensors read nothing before the next step,
-  // whose report has what was placed. Throws InitialIntersection where surfaces meet afterwards, and
+  // joints and the integrator start anew for them (sim/step/placing.h); sensors read nothing before the next
+  // step, whose report has what was placed. Throws InitialIntersection where surfaces meet afterwards, and
   // InvalidArgument where a joint, a limit or an attachment would not hold; then nothing has changed.
 
   /// From here to end_placing() or cancel_placing() bodies are placed together: checked at the end.
@@ -154,7 +154,7 @@ class Simulation {
   /// together if it were held again.
   void check_joint_agrees(JointId joint) const;
   /// Holds a joint from the next step on with side a where it is now, as the carrier of side b sees it.
-  /// Throws InvalidArgument for joints that cannot (sim/held_places.h) and broken ones.
+  /// Throws InvalidArgument for joints that cannot (sim/model/held_places.h) and broken ones.
   void hold_joint_here(JointId joint);
   bool joint_enabled(JointId joint) const;
   /// Whether its force or torque exceeded what it stands: it never holds again.
@@ -197,8 +197,8 @@ class Simulation {
   /// Releases an attachment, or holds it again from the next step on; broken pairs stay broken.
   void set_attachment_enabled(AttachmentId attachment, bool enabled);
   /// Holds pairs of an attachment from the next step on with their points where they are now, as what carries
-  /// them sees it. Throws InvalidArgument for pairs that cannot (sim/held_places.h) and broken ones; then
-  /// nothing has changed.
+  /// them sees it. Throws InvalidArgument for pairs that cannot (sim/model/held_places.h) and broken ones;
+  /// then nothing has changed.
   void hold_pairs_here(AttachmentId attachment, std::span<const int32_t> pairs);
   /// Releases some pairs of an attachment.
   void release_pairs(AttachmentId attachment, std::span<const int32_t> pairs);

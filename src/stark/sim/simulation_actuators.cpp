@@ -4,9 +4,9 @@
 #include <utility>
 
 #include <stark/base/error.h>
-#include <stark/sim/joint_wrench.h>
+#include <stark/sim/scene/joint_wrench.h>
+#include <stark/sim/scene/validation.h>
 #include <stark/sim/simulation_parts.h>
-#include <stark/sim/validation.h>
 
 namespace stark {
 

@@ -3,11 +3,11 @@
 #include <map>
 #include <utility>
 
-#include <stark/sim/body_checks.h>
-#include <stark/sim/contact_distance.h>
-#include <stark/sim/element_strain.h>
+#include <stark/sim/scene/body_checks.h>
+#include <stark/sim/scene/contact_distance.h>
 #include <stark/sim/simulation.h>
-#include <stark/sim/step_evidence.h>
+#include <stark/sim/step/element_strain.h>
+#include <stark/sim/step/step_evidence.h>
 
 namespace stark {
 

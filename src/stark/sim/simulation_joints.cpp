@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include <stark/base/error.h>
-#include <stark/sim/held_places.h>
-#include <stark/sim/joint_wrench.h>
+#include <stark/sim/model/held_places.h>
+#include <stark/sim/scene/joint_wrench.h>
 #include <stark/sim/simulation_parts.h>
 
 namespace stark {

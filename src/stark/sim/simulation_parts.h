@@ -2,7 +2,7 @@
 #pragma once
 
 #include <stark/sim/simulation.h>
-#include <stark/sim/step_runner.h>
+#include <stark/sim/step/step_runner.h>
 
 namespace stark {
 

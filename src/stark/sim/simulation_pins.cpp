@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include <stark/base/error.h>
+#include <stark/sim/scene/validation.h>
 #include <stark/sim/simulation.h>
-#include <stark/sim/validation.h>
 
 namespace stark {
 

@@ -1,10 +1,10 @@
-// Simulation: placing of bodies between steps (sim/placing.h).
+// Simulation: placing of bodies between steps (sim/step/placing.h).
 #include <cmath>
 
 #include <stark/base/error.h>
 #include <stark/base/rotation.h>
+#include <stark/sim/scene/validation.h>
 #include <stark/sim/simulation_parts.h>
-#include <stark/sim/validation.h>
 
 namespace stark {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include <stark/base/error.h>
-#include <stark/sim/internal_variables.h>
+#include <stark/sim/model/internal_variables.h>
 #include <stark/sim/simulation.h>
 #include <stark/sim/simulation_parts.h>
 

@@ -3,10 +3,10 @@
 #include <utility>
 
 #include <stark/base/error.h>
-#include <stark/sim/held_places.h>
-#include <stark/sim/internal_variables.h>
+#include <stark/sim/model/held_places.h>
+#include <stark/sim/model/internal_variables.h>
+#include <stark/sim/model/state_history.h>
 #include <stark/sim/simulation_parts.h>
-#include <stark/sim/state_history.h>
 
 namespace stark {
 

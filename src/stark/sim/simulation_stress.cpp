@@ -3,10 +3,10 @@
 #include <iterator>
 
 #include <stark/mechanics/element_virial.h>
-#include <stark/sim/internal_variables.h>
+#include <stark/sim/model/internal_variables.h>
+#include <stark/sim/model/stored_energy.h>
 #include <stark/sim/simulation.h>
 #include <stark/sim/simulation_parts.h>
-#include <stark/sim/stored_energy.h>
 
 namespace stark {
 

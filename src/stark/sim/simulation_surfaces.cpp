@@ -2,7 +2,7 @@
 #include <iterator>
 
 #include <stark/base/error.h>
-#include <stark/sim/body_checks.h>
+#include <stark/sim/scene/body_checks.h>
 #include <stark/sim/simulation.h>
 
 namespace stark {
