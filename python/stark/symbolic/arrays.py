@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stark._core import InvalidArgument
+from stark.arguments import refuse_masked
 from stark.symbolic.signature import Argument
 
 
@@ -30,6 +31,7 @@ def batch_of(
 
 def _array(formula: str, name: str, value: object, shape: tuple[int, ...]) -> np.ndarray:
     """The argument as an array of float64 whose strides are whole numbers of float64."""
+    refuse_masked(value, f"{formula}: argument '{name}'")
     try:
         given = np.asarray(value)
     except ValueError as error:

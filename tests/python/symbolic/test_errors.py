@@ -259,6 +259,10 @@ CALLS: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "text": (lambda: energy("ab"), "argument 'x' has the type <U2: must be real numbers"),
     "complex": (lambda: energy([1j, 2]), "argument 'x' has the type complex128: must be real numbers"),
+    "masked": (
+        lambda: energy(np.ma.masked_array([1.0, 2.0], mask=[False, True])),
+        "energy: argument 'x': 1 value is masked",
+    ),
     "ragged": (lambda: energy([[1, 2], [3]]), "argument 'x' is no array"),
     "unknown wrt": (lambda: energy.gradient([1, 2], wrt="y"), "wrt='y' is no argument; there are x, k"),
     "wrt twice": (lambda: energy.gradient([1, 2], wrt=("x", "x")), "each once"),
