@@ -62,11 +62,13 @@ def loading_of(kind: str, curve: Curve, sheared: bool) -> Loading:
     return found
 
 
-def _symmetric(size: int, stretches: Sequence[Any], shears: dict[tuple[int, int], Any]) -> Entries:
-    """A symmetric stretch tensor: of objective laws rotations do not matter."""
+def _triangular(size: int, stretches: Sequence[Any], shears: dict[tuple[int, int], Any]) -> Entries:
+    """A strain whose first axis keeps its direction, whatever shears: what is imposed is the stretch of the
+    sample, and free entries mean no stress but along it. In a symmetric stretch tensor they would not. Of
+    objective laws rotations do not matter."""
     entries: Entries = {(i, i): stretches[i] for i in range(size)}
     for (i, j), value in shears.items():
-        entries[i, j] = entries[j, i] = value
+        entries[j, i] = value
     return entries
 
 
@@ -96,7 +98,7 @@ def _solid(curve: Curve, sheared: bool) -> Loading | None:
         factor: float = 1.0,
     ) -> Loading:
         def entries(c: Sequence[Any], u: Sequence[Any]) -> Entries:
-            return _symmetric(3, diagonal(c, u), dict(zip(shears, u[free:], strict=True)))
+            return _triangular(3, diagonal(c, u), dict(zip(shears, u[free:], strict=True)))
 
         return Loading(entries, free, len(shears), guess, factor)
 
@@ -125,7 +127,7 @@ def _shell(curve: Curve, sheared: bool) -> Loading | None:
         shears: tuple[tuple[int, int], ...] = ((0, 1),) if sheared else ()
 
         def strip(c: Sequence[Any], u: Sequence[Any]) -> Entries:
-            return _symmetric(2, (c[0], u[0]), dict(zip(shears, u[1:], strict=True)))
+            return _triangular(2, (c[0], u[0]), dict(zip(shears, u[1:], strict=True)))
 
         return Loading(strip, 1, len(shears), lambda c: c**-0.5)
     if curve.kind == "equibiaxial":
