@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dis
+import functools
 import types
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from typing import Any
@@ -9,6 +11,8 @@ from typing import Any
 import numpy as np
 
 _DEPTH = 4  # of lists and dictionaries within others
+_ROOTS = ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_DEREF")
+_ATTRIBUTES = ("LOAD_ATTR", "LOAD_METHOD")
 
 
 def captured(function: Callable[..., object]) -> dict[str, Hashable]:
@@ -18,8 +22,9 @@ def captured(function: Callable[..., object]) -> dict[str, Hashable]:
 
 
 def changed(before: Mapping[str, Hashable], now: Mapping[str, Hashable]) -> list[str]:
-    """Names of what is not the same."""
-    return sorted(name for name in {*before, *now} if before.get(name) != now.get(name))
+    """Names of what is not the same: of a variable rather than of its attributes, where both differ."""
+    names = sorted(name for name in {*before, *now} if before.get(name) != now.get(name))
+    return [name for name in names if not any(name.startswith(f"{other}.") for other in names)]
 
 
 def _of_function(function: Any, seen: list[object]) -> dict[str, Hashable]:
@@ -27,15 +32,36 @@ def _of_function(function: Any, seen: list[object]) -> dict[str, Hashable]:
     code = getattr(function, "__code__", None)
     if code is None or any(function is other for other in seen):
         return {}
+    if seen and function.__module__.partition(".")[0] in ("stark", "numpy"):  # their numbers do not change
+        return {}
     seen.append(function)
-    named = {name for inner in _codes(code) for name in inner.co_names}
-    values = {name: function.__globals__[name] for name in named if name in function.__globals__}
+    paths = _paths(code)
+    values = {path[0]: function.__globals__.get(path[0]) for path in paths if path[0] in function.__globals__}
     for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):
         try:
             values[name] = cell.cell_contents
         except ValueError:  # not assigned yet
             continue
+    values |= {".".join(path): _reached(values[path[0]], path[1:]) for path in paths if path[0] in values}
     return {name: _of_value(values[name], seen, _DEPTH) for name in sorted(values)}
+
+
+@functools.lru_cache(maxsize=1024)
+def _paths(code: types.CodeType) -> frozenset[tuple[str, ...]]:
+    """Names from around a function, each with the attributes that it takes of them: ("Sheet", "modulus")."""
+    found: set[tuple[str, ...]] = set()
+    path: tuple[str, ...] = ()
+    for inner in _codes(code):
+        for step in dis.get_instructions(inner):
+            if step.opname in _ROOTS:
+                path = (step.argval,)
+            elif path and step.opname in _ATTRIBUTES:
+                path = (*path, step.argval)
+            elif step.opname != "EXTENDED_ARG":
+                path = ()
+            if path:
+                found.add(path)
+    return frozenset(found)
 
 
 def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
@@ -44,6 +70,16 @@ def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
             yield from _codes(constant)
+
+
+def _reached(value: Any, attributes: tuple[str, ...]) -> Any:
+    """An attribute of an attribute of a value; None where there is none."""
+    for name in attributes:
+        try:
+            value = getattr(value, name)
+        except Exception:  # a property of the user may raise anything; recording says so
+            return None
+    return value
 
 
 def _of_value(value: Any, seen: list[object], depth: int) -> Hashable:

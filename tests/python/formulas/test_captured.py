@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -94,3 +94,58 @@ def test_what_is_told_apart() -> None:
     assert changed(before, captured(function)) == ["held"]
     later = {"a": (1.0, True)}
     assert changed(before, captured(function)) == ["held", "later"]
+
+
+class Numbers:
+    modulus = 1.0
+
+
+class Slotted:
+    __slots__ = ("modulus",)
+
+
+@stark.energy
+def of_a_class(p: stark.Point):
+    return Numbers.modulus * (p.x @ p.x)
+
+
+@pytest.mark.parametrize("kind", ["class", "module", "slots", "within another"])
+def test_an_energy_takes_the_attributes_of_the_time_when_it_is_bound(kind: str) -> None:
+    """Of classes, modules and whatever has no `__dict__`, later bindings kept the first numbers."""
+    module, slotted = ModuleType("numbers_of_the_user"), Slotted()
+    owner: Any = {"class": type("Owner", (), {}), "module": module, "slots": slotted}.get(kind, Numbers())
+    holder = SimpleNamespace(part=SimpleNamespace(owner=owner))
+    owner.modulus = 1.0
+
+    @stark.energy
+    def direct(p: stark.Point):
+        return owner.modulus * (p.x @ p.x)
+
+    @stark.energy
+    def nested(p: stark.Point):
+        return holder.part.owner.modulus * (p.x @ p.x)
+
+    law = nested if kind == "within another" else direct
+    first = energy_of_sheet(law)
+    owner.modulus = 5.0
+    assert energy_of_sheet(law) == pytest.approx(5.0 * first, rel=1e-12)
+
+
+def test_names_of_attributes_are_not_those_of_variables(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A law that writes `F.T` warned of changes of a variable `T`, which it does not use."""
+
+    @stark.material
+    def transposed(F: stark.DeformationGradient, mu: float = 1e4, bulk: float = 1e5):
+        J = stark.determinant(F)
+        return mu / 2 * (stark.trace(F.T @ F) - 3) - mu * stark.log(J) + bulk / 2 * stark.pow(J - 1, 2)
+
+    monkeypatch.setitem(globals(), "T", 1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        transposed(density=1000.0)
+        monkeypatch.setitem(globals(), "T", 2.0)
+        transposed(density=1000.0)
+    monkeypatch.setattr(Numbers, "modulus", 1.0)
+    before = captured(of_a_class.function)
+    monkeypatch.setattr(Numbers, "modulus", 2.0)
+    assert changed(before, captured(of_a_class.function)) == ["Numbers.modulus"]
