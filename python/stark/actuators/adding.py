@@ -31,6 +31,7 @@ def add_actuator(
 ) -> Actuator:
     """Adds an actuator to a scene; InvalidArgument says what is wrong with it."""
     formula = kind if isinstance(kind, ActuatorFormula) else built_in(_text(kind))
+    formula.warn_of_changes()
     owner = f"actuator '{given_name(name) or formula.name}'"
     targets = [_target(scene, owner, entry) for entry in _entries(owner, on)]
     _check_names(owner, formula, values)

@@ -13,13 +13,14 @@ from __future__ import annotations
 import functools
 import inspect
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from stark import _core
 from stark._core import TraceError
 from stark.formulas.arguments import ClockArgument, read_clock, read_parameter, signature_of
+from stark.formulas.captured import captured, warn_of_changes
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import Parameter
 from stark.formulas.pickling import PickledByName
@@ -146,6 +147,13 @@ class ActuatorFormula(PickledByName):
     """The formula as it was recorded; not of built-in actuators."""
     function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
     """That it was made of, by whose name it is pickled; not of built-in actuators and those of documents."""
+    numbers: Mapping[str, Hashable] = field(default_factory=dict, compare=False, repr=False)
+    """What the function took from around it when it was recorded."""
+
+    def warn_of_changes(self) -> None:
+        """Of numbers around its function that are not what they were when it was recorded."""
+        if self.function is not None:
+            warn_of_changes(self.name, "actuator", self.function, self.numbers, self.location)
 
     def _finder(self) -> Callable[[str], ActuatorFormula]:
         return built_in
@@ -210,6 +218,7 @@ def actuator(function: Callable[..., Any]) -> ActuatorFormula:
         inputs.sources,
         formula,
         function,
+        captured(function),
     )
 
 

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from stark.caller import warn
+
 _DEPTH = 4  # of lists and dictionaries within others
 _ROOTS = ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_DEREF")
 _ATTRIBUTES = ("LOAD_ATTR", "LOAD_METHOD")
@@ -25,6 +27,20 @@ def changed(before: Mapping[str, Hashable], now: Mapping[str, Hashable]) -> list
     """Names of what is not the same: of a variable rather than of its attributes, where both differ."""
     names = sorted(name for name in {*before, *now} if before.get(name) != now.get(name))
     return [name for name in names if not any(name.startswith(f"{other}.") for other in names)]
+
+
+def warn_of_changes(
+    name: str, kind: str, function: Callable[..., object], before: Mapping[str, Hashable], location: str
+) -> None:
+    """Of numbers around a function that are not what they were when it was recorded as a ``kind``."""
+    if not (names := changed(before, captured(function))):
+        return
+    which = ", ".join(f"'{variable}'" for variable in names)
+    those = "it a parameter" if len(names) == 1 else "them parameters"
+    warn(
+        f"{name}: {which} changed after the {kind} was recorded, which keeps what it found then: make "
+        f"{those} of the {kind}, or define the {kind} again\n{location}"
+    )
 
 
 def _of_function(function: Any, seen: list[object]) -> dict[str, Hashable]:
@@ -95,5 +111,10 @@ def _of_value(value: Any, seen: list[object], depth: int) -> Hashable:
         return tuple(_of_value(entry, seen, depth - 1) for entry in value)
     if isinstance(value, dict):
         return tuple((repr(name), _of_value(entry, seen, depth - 1)) for name, entry in value.items())
-    # Of other objects their own numbers and arrays.
-    return tuple((name, _of_value(entry, seen, 0)) for name, entry in getattr(value, "__dict__", {}).items())
+    if isinstance(value, functools.partial):
+        return tuple(_of_value(part, seen, depth - 1) for part in (value.func, value.args, value.keywords))
+    # Of other objects their own numbers, arrays and lists of them.
+    inner = min(depth, 2) - 1
+    return tuple(
+        (name, _of_value(entry, seen, inner)) for name, entry in getattr(value, "__dict__", {}).items()
+    )

@@ -13,9 +13,8 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.caller import warn
 from stark.formulas.arguments import ClockArgument, read_clock, read_parameter
-from stark.formulas.captured import captured, changed
+from stark.formulas.captured import captured, warn_of_changes
 from stark.formulas.internal import Internal, read_internal, split_result
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import Parameter, check_range, numbers_of
@@ -152,14 +151,8 @@ class RecordedLaw:
 
     def _warn_of_changes(self) -> None:
         """Of numbers around the function that are not what they were when it was recorded."""
-        if self._recorded is None or not (names := changed(self._captured, captured(self._function))):
-            return
-        which = ", ".join(f"'{name}'" for name in names)
-        those = "it a parameter" if len(names) == 1 else "them parameters"
-        warn(
-            f"{self.name}: {which} changed after the law was recorded, which keeps what it found then: make "
-            f"{those} of the law, or define the law again\n{self.location}"
-        )
+        if self._recorded is not None:
+            warn_of_changes(self.name, "law", self._function, self._captured, self.location)
 
     @property
     def function(self) -> Callable[..., object]:

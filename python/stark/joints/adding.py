@@ -42,6 +42,7 @@ def add_joint(
 ) -> Joint:
     """Adds a joint to a scene; InvalidArgument says what is wrong with it."""
     formula = kind if isinstance(kind, JointFormula) else built_in(_text(kind))
+    formula.warn_of_changes()
     owner = f"joint '{given_name(name) or formula.name}'"
     contact, enabled = given_flag(contact, f"{owner}: contact"), given_flag(enabled, f"{owner}: enabled")
     numbers = _values(owner, formula, values)  # before the frames: an anchor may be misspelt

@@ -15,13 +15,14 @@ from __future__ import annotations
 import functools
 import inspect
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stark import _core
 from stark._core import TraceError
 from stark.formulas.arguments import Argument, ClockArgument, FrameArgument, read_arguments
+from stark.formulas.captured import captured, warn_of_changes
 from stark.formulas.frames import SiteFrame
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import Declaration, Parameter
@@ -125,6 +126,13 @@ class JointFormula(PickledByName):
     """The formula as it was recorded; not of built-in joints."""
     function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
     """That it was made of, by whose name it is pickled; not of built-in joints and those of documents."""
+    numbers: Mapping[str, Hashable] = field(default_factory=dict, compare=False, repr=False)
+    """What the function took from around it when it was recorded."""
+
+    def warn_of_changes(self) -> None:
+        """Of numbers around its function that are not what they were when it was recorded."""
+        if self.function is not None:
+            warn_of_changes(self.name, "joint", self.function, self.numbers, self.location)
 
     def _finder(self) -> Callable[[str], JointFormula]:
         return built_in
@@ -190,7 +198,17 @@ def _record(name: str, function: Callable[..., Any], arguments: Sequence[Argumen
     groups = tuple((unit, len(group)) for unit, group in held.groups)
     place = definition_of(function)
     return JointFormula(
-        name, core.doc, parameters, core, graph, inputs.sources, groups, place, formula, function
+        name,
+        core.doc,
+        parameters,
+        core,
+        graph,
+        inputs.sources,
+        groups,
+        place,
+        formula,
+        function,
+        captured(function),
     )
 
 

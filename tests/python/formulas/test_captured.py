@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import warnings
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -96,6 +97,32 @@ def test_what_is_told_apart() -> None:
     assert changed(before, captured(function)) == ["held", "later"]
 
 
+@stark.actuator
+def coil(c: stark.Coordinate):
+    return stiffness() / 2 * c.q**2
+
+
+@stark.joint
+def distance(a: stark.Frame, b: stark.Frame):
+    return stark.hold(length=stark.norm(b.origin - a.origin) - STIFFNESS)
+
+
+def test_actuators_and_joints_say_that_they_keep_their_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are recorded where they are defined, and kept what they found there without a word."""
+    scene = stark.Scene()
+    wheel = scene.add_box(0.1, mass=1.0, position=(1.0, 0.0, 0.0))
+    axle = scene.add_hinge(None, wheel, anchor=(1.0, 0.0, 0.0), axis=(0.0, 0.0, 1.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        axle.add_actuator(coil)
+        scene.add_joint(distance, stark.world_frame(), wheel.frame())
+    monkeypatch.setitem(globals(), "STIFFNESS", 5.0)
+    with pytest.warns(stark.StarkWarning, match="coil: 'stiffness' changed after the actuator was recorded"):
+        axle.add_actuator(coil)
+    with pytest.warns(stark.StarkWarning, match="distance: 'STIFFNESS' changed after the joint was recorded"):
+        scene.add_joint(distance, stark.world_frame(), wheel.frame())
+
+
 class Numbers:
     modulus = 1.0
 
@@ -129,6 +156,29 @@ def test_an_energy_takes_the_attributes_of_the_time_when_it_is_bound(kind: str) 
     first = energy_of_sheet(law)
     owner.modulus = 5.0
     assert energy_of_sheet(law) == pytest.approx(5.0 * first, rel=1e-12)
+
+
+def test_an_energy_takes_what_callables_hold() -> None:
+    """Of partial functions and objects with lists, later bindings kept the first numbers."""
+
+    class Table:
+        def __init__(self) -> None:
+            self.values = [1.0]
+
+        def __call__(self, x: Any) -> Any:
+            return self.values[0] * x
+
+    table, scaled = Table(), functools.partial(lambda k, x: k * x, 1.0)
+
+    @stark.energy
+    def both(p: stark.Point):
+        return scaled(table(p.x @ p.x))
+
+    first = energy_of_sheet(both)
+    table.values[0] = 2.0
+    assert energy_of_sheet(both) == pytest.approx(2.0 * first, rel=1e-12)
+    scaled = functools.partial(lambda k, x: k * x, 3.0)
+    assert energy_of_sheet(both) == pytest.approx(6.0 * first, rel=1e-12)
 
 
 def test_names_of_attributes_are_not_those_of_variables(monkeypatch: pytest.MonkeyPatch) -> None:
