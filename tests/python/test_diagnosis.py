@@ -237,7 +237,26 @@ def test_a_step_taken_again_near_a_singular_place_names_the_energy() -> None:
     scene.add(well(sheet.vertices), name="well")
     report = stark.Simulation(scene).step()
     assert report.status == "retried"
-    assert "energy 'well' grows without bound: its force on cloth 'sheet' (vertex" in report.message
+    assert "energy 'well' is singular: its force on cloth 'sheet' (vertex" in report.message
+    assert "from where the energy grows without bound or" in report.message
+
+
+def test_the_tip_of_a_cone_is_named_as_a_kink() -> None:
+    """A force of 10 N in all places, which was said to grow without bound."""
+
+    @stark.energy
+    def cone(p: stark.Point):
+        return 10.0 * stark.norm(p.x)
+
+    scene = stark.Scene()
+    ball = scene.add_box(0.02, mass=0.1, position=(0.05, 0, 0), name="ball")
+    scene.add(cone(ball.points((0, 0, 0))), name="cone")
+    sim = stark.Simulation(scene, gravity=(0, 0, 0))
+    while not (report := sim.step()).failed and report.time < 0.2:
+        pass
+    assert report.diagnosis.cause == "singular_energy"
+    assert "energy 'cone' is singular: its force on" in report.message
+    assert "like a norm at zero, has a kink" in report.message
 
 
 def test_smooth_energies_that_act_where_a_step_fails_are_named() -> None:

@@ -17,9 +17,9 @@ Verdict judge_steep_energy(const StepEvidence& e) {
   if (!e.steep) return {};
   return {
       FailureCause::SingularEnergy,
-      "energy '" + e.steep->energy + "' grows without bound: its force on " + place_text(e.steep->at) +
-          " is " + rough_text(e.steep->force, "N") + ", about " + rough_text(e.steep->length, "m") +
-          " from where the energy has no value",
+      "energy '" + e.steep->energy + "' is singular: its force on " + place_text(e.steep->at) + " is " +
+          rough_text(e.steep->force, "N") + ", about " + rough_text(e.steep->length, "m") +
+          " from where the energy grows without bound or, like a norm at zero, has a kink",
       "give the energy a bound, such as the root of r^2 + c^2 for a distance r with a length c that steps "
       "can resolve, or hold its points apart",
       {e.steep->at.body}};
