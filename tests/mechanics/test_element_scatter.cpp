@@ -38,6 +38,13 @@ std::vector<int32_t> random_stencils(int nodes, int64_t count, std::mt19937& ran
   return stencils;
 }
 
+/// Random stencils in which a point may be there several times.
+std::vector<int32_t> repeated_stencils(int nodes, int64_t count, std::mt19937& random) {
+  std::vector<int32_t> stencils(nodes * count);
+  for (int32_t& point : stencils) point = std::uniform_int_distribution<int32_t>(0, kPoints - 1)(random);
+  return stencils;
+}
+
 /// Every free point with every other.
 BlockPattern full_pattern() {
   std::vector<std::pair<int32_t, int32_t>> all;
@@ -110,6 +117,49 @@ TEST_CASE("gradients of lanes are added to their blocks, those of prescribed nod
             for (int c = 0; c < 3; ++c) expected[4 * block + c] += lanes[(3 * p + c) * kLanes + l];
       CHECK(padded == expected);
     }
+}
+
+TEST_CASE("a point that an element has twice gets both orders of the pair") {
+  // The energy of two points at one place is a function of that place: v.H v of the sum is what H says of
+  // the same displacement of both. One order was left out, so that Newton's method had a wrong stiffness.
+  std::mt19937 random(11);
+  const KinematicMap map = point_map();
+  const BlockPattern pattern = full_pattern();
+  const std::vector<int64_t> slot_of = own_slots(pattern);
+  for (int nodes = 2; nodes <= 8; ++nodes) {
+    const int n = 3 * nodes;
+    const std::vector<int32_t> stencils = repeated_stencils(nodes, kLanes, random);
+    std::vector<double> out((1 + n + n * (n + 1) / 2) * kLanes);
+    for (double& value : out) value = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
+    const std::vector<PairPlace> places = find_pair_places(map, stencils, nodes, pattern);
+    BlockMatrix full, diagonal, expected;
+    for (BlockMatrix* matrix : {&full, &diagonal, &expected}) {
+      matrix->pattern = pattern;
+      matrix->set_zero();
+    }
+    for (BlockMatrix* matrix : {&full, &diagonal})
+      scatter_hessians(out.data() + (1 + n) * kLanes, nodes, kLanes, places.data(), slot_of, *matrix,
+                       matrix == &full ? ScatterPairs::All : ScatterPairs::Diagonal);
+    for (int64_t l = 0; l < kLanes; ++l) {
+      const ElementView element(out.data(), n, static_cast<int>(l));
+      for (int p = 0; p < nodes; ++p)
+        for (int q = 0; q < nodes; ++q) {
+          const int32_t a = map.point_block(stencils[l * nodes + p]),
+                        b = map.point_block(stencils[l * nodes + q]);
+          if (a == kNoBlock || b == kNoBlock || a > b) continue;
+          for (int c = 0; c < 9; ++c)
+            expected.values[9 * pattern.slot(a, b) + c] += element.point_hessian(p, q).m[c];
+        }
+    }
+    for (int32_t i = 0; i < kPoints - 1; ++i)
+      for (int64_t slot = pattern.row_start[i]; slot < pattern.row_start[i + 1]; ++slot)
+        for (int k = 0; k < 9; ++k) {
+          const double exact = expected.values[9 * slot + k];
+          CHECK(full.values[9 * slot + k] == doctest::Approx(exact).epsilon(1e-13));
+          CHECK(diagonal.values[9 * slot + k] ==
+                doctest::Approx(pattern.column[slot] == i ? exact : 0.0).epsilon(1e-13));
+        }
+  }
 }
 
 TEST_CASE("of pairs on the diagonal nothing else is added") {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ranges>
 
 #include <stark/base/error.h>
 #include <stark/base/simd.h>
@@ -107,9 +108,17 @@ void scatter_hessians(const double* upper, int nodes, int64_t lane_count, const 
                       std::span<const int64_t> slot_of, BlockMatrix& matrix, ScatterPairs pairs) {
   const int pair_count = nodes * (nodes + 1) / 2;
   int pair = 0;
-  for (int p = 0; p < nodes; ++p)
+  for (int p = 0; p < nodes; ++p) {
+    const int own = pair;  // of the node with itself
+    // Both orders of two nodes that are one point belong to the block of that point.
+    const auto is_one_point = [&](const PairPlace* of_element) {
+      return pair != own && of_element[pair] == of_element[own] && of_element[own] >= 0;
+    };
     for (int q = p; q < nodes; ++q, ++pair) {
-      if (q > p && pairs == ScatterPairs::Diagonal) continue;
+      const auto is_one_in_lane = [&](int64_t l) { return is_one_point(places + l * pair_count); };
+      if (q > p && pairs == ScatterPairs::Diagonal &&
+          std::ranges::none_of(std::views::iota(int64_t{0}, lane_count), is_one_in_lane))
+        continue;
       const std::array<int, 9> entries = find_entries(3 * nodes, p, q);
       if (pair + 1 < pair_count) prefetch(places + pair + 1, pair_count, lane_count, slot_of, matrix);
       for (int64_t half = 0; half < lane_count; half += kHalf) {
@@ -121,10 +130,15 @@ void scatter_hessians(const double* upper, int nodes, int64_t lane_count, const 
         for (int l = 0; l < kHalf && half + l < lane_count; ++l) {
           const PairPlace place = places[(half + l) * pair_count + pair];
           if (place < 0) continue;
-          add(matrix.values.data() + 9 * slot_of[place >> 1], first[l], second[l], last[l], (place & 1) != 0);
+          const bool is_one = is_one_in_lane(half + l);
+          if (q > p && pairs == ScatterPairs::Diagonal && !is_one) continue;
+          double* block = matrix.values.data() + 9 * slot_of[place >> 1];
+          add(block, first[l], second[l], last[l], (place & 1) != 0);
+          if (is_one) add(block, first[l], second[l], last[l], true);
         }
       }
     }
+  }
 }
 
 }  // namespace stark

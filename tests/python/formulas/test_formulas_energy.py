@@ -313,3 +313,32 @@ print("done", spring.statistics.backend)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("done")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["no_compiler.py"]  # and nothing was written
+
+
+def test_a_vertex_may_be_in_an_element_twice() -> None:
+    """A quadratic energy takes one Newton iteration; with half of the stiffness between both places it took
+    70."""
+
+    @stark.energy
+    def bend(s: stark.Stencil[3], k: float = 50.0):
+        d = s[0].x - 2.0 * s[1].x + s[2].x
+        return 0.5 * k * (d @ d)
+
+    scene = stark.Scene()
+    limp = stark.ShellMaterial(density=1.0, youngs_modulus=1e-6, bending_stiffness=0.0)
+    mesh = stark.mesh.grid(0.1, 0.1, cells=1)
+    sheet = scene.add_cloth(mesh, limp, self_contact=False)
+    scene.add(bend(stark.stencils(sheet, [[0, 1, 0]])))
+    h = 0.01
+    sim = stark.Simulation(scene, time_step=h, gravity=(0, 0, 0))
+    report = sim.step()
+    assert report.newton_iterations == 1
+
+    # d = 2 (x0 - x1): a spring of stiffness 4 k between two lumped masses, one step of implicit Euler.
+    corners = mesh.vertices[mesh.triangles]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    mass = np.zeros(4)
+    np.add.at(mass, mesh.triangles, areas[:, None] / 3.0)
+    system = np.diag(mass[:2]) / h**2 + 200.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    expected = np.linalg.solve(system, mass[:2, None] / h**2 * mesh.vertices[:2])
+    np.testing.assert_allclose(sheet.positions[:2], expected, atol=1e-8)
