@@ -473,8 +473,9 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
     def free_path(self, body: Body | str, displacement: ArrayLike) -> FreePath:
         """How far a body can be moved along ``displacement`` (3,) [m], without turning, before its surface
         meets another one, all others where they are now: ``fraction`` of the displacement that is certainly
-        free, and the name of the body that is ``blocking``, None where nothing is. Bodies whose contact is
-        disabled count; of rods it is the centre line. Nothing is moved."""
+        free, at most a millionth below the true one, and the name of the body that is ``blocking``, None
+        where nothing is. Bodies whose contact is disabled count; of rods it is the centre line. Nothing is
+        moved."""
         shift = vector(displacement, "free_path: displacement")
         return free_path_of(self, self[body]._index, shift)
 

@@ -163,22 +163,31 @@ def free_path_of(simulation: SimulationLink, body: int, displacement: Array) -> 
     """Of a body by its index, by continuous collision detection of all surfaces as they are now."""
     surface = simulation._core.surface()
     groups, start = surface["vertex_groups"], surface["positions"]
-    end = np.where((groups == body)[:, None], start + displacement, start)
     world = _core.CollisionScene(groups, surface["edges"], surface["triangles"])
     none = np.zeros(int(groups.max()) + 1)
-    fraction, kind, *parts = world.max_safe_step(start, end, none)
-    if not kind:
-        return FreePath(1.0, None)
+    moved = (groups == body)[:, None]
+    end = np.where(moved, start + displacement, start)
+    reached = 0.0
+    while True:  # one pass leaves a tenth of the gap
+        fraction, kind, *parts = world.max_safe_step(
+            np.where(moved, start + reached * displacement, start), end, none
+        )
+        if not kind:
+            return FreePath(1.0, None)
+        gain = fraction * (1.0 - reached)
+        reached += gain
+        if gain < _FREE_PATH_GAIN:
+            break
     first_vertex = {
         "point": np.arange(len(groups)),
         "edge": surface["edges"],
         "triangle": surface["triangles"],
     }
-    met = [
+    bodies = [
         int(groups[np.ravel(first_vertex[what][part])[0]])
         for what, part in zip(kind.split("_"), parts, strict=True)
     ]
-    return FreePath(fraction, names_of(simulation)[met[0] if met[1] == body else met[1]])
+    return FreePath(reached, names_of(simulation)[bodies[0] if bodies[1] == body else bodies[1]])
 
 
 class Imu(NamedTuple):
@@ -190,6 +199,7 @@ class Imu(NamedTuple):
 
 _OWN_FORCE = "a force of your own is scene.add_force(body, ...), before the simulation"
 _OWN_TORQUE = "a torque of your own is scene.add_torque(body, ...), before the simulation"
+_FREE_PATH_GAIN = 1e-6  # of the displacement; a pass that gains less ends the search
 _FLAT = 1e-8  # distance from the plane of a face over the size of the body
 _ALONG = 0.999  # cosine between the normals of a face and of a contact with it
 
