@@ -68,6 +68,12 @@ def two_bodies() -> stark.Scene:
     return scene
 
 
+def named(name: str) -> stark.Scene:
+    scene = stark.Scene()
+    scene.add_floor(name=name)
+    return scene
+
+
 def assign(target: Any, name: str, value: Any) -> None:
     setattr(target, name, value)
 
@@ -245,6 +251,7 @@ CASES = [
     Case("empty name", lambda: stark.Scene().add_floor(name=""), InvalidArgument, ("name = ''", "non-empty")),
     Case("name of another type", lambda: stark.Scene().add_floor(name=7), InvalidArgument, ("name = 7", "text")),
     Case("unknown body", lambda: two_bodies()["flor"], InvalidArgument, ("unknown body 'flor'", "did you mean 'floor'?")),
+    Case("unlike any body", lambda: named("c")["x"], InvalidArgument, ("unknown body 'x': must be",)),
     Case("body of another scene", foreign_body, InvalidArgument, ("'sheet'", "another scene", "add it here")),
     Case("number as body", lambda: two_bodies().disable_contact(1, 2), InvalidArgument, ("body = 1", "its name")),
     Case("negative friction", lambda: friction("box", "floor", -1.0), InvalidArgument,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import given_coordinate, real_number
+from stark.arguments import given_coordinate, nearest, real_number
 from stark.caller import warn
 from stark.courses import TimeValue, at_start, set_courses
 from stark.handle import Handle, SceneLink, SimulationLink
@@ -293,8 +293,12 @@ class Joint(JointActuators):
         for k, (known, _) in enumerate(self._coordinates):
             if name == known:
                 return float(self._require_simulation(name)._core.joint_coordinates(self._index)[k])
-        known = ", ".join(coordinate for coordinate, _ in self._coordinates) or "none"
+        coordinates = [coordinate for coordinate, _ in self._coordinates]
+        known = ", ".join(coordinates) or "none"
         hint = f"; write {ELSEWHERE[name]}" if name in ELSEWHERE else ""
+        public = [attribute for attribute in dir(self) if not attribute.startswith("_")]
+        if not hint and (near := nearest(name, coordinates + public)):
+            hint = f"; did you mean '{near}'?"
         raise AttributeError(
             f"joint of the kind '{self._formula.name}' has no attribute '{name}'; its coordinates: "
             f"{known}{hint}"

@@ -338,7 +338,9 @@ std::string nearest_name_hint(std::string_view name, const std::vector<std::stri
       distance = std::min(distance, 1 + edit_distance(name, std::string_view(candidate).substr(dot + 1)));
     if (distance < best) best = distance, nearest = &candidate;
   }
-  if (!nearest || best > std::max<int>(2, static_cast<int>(name.size()) / 3)) return {};
+  // A name of which no letter is left is not near.
+  const int length = static_cast<int>(name.size());
+  if (!nearest || best >= length || best > std::max(2, length / 3)) return {};
   return " (did you mean '" + *nearest + "'?)";
 }
 

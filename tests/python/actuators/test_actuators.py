@@ -326,6 +326,8 @@ def test_limits_that_look_like_degrees_warn() -> None:
         hinge.add_limit(-90, 90)
     with pytest.raises(AttributeError, match="'hinge' has no attribute 'angel'; its coordinates: angle"):
         _ = hinge.angel
+    with pytest.raises(AttributeError, match=r"no attribute 'add_motr'.*did you mean 'add_motor'"):
+        hinge.add_motr(target=1.0, cap=1.0, delta=1.0)
 
 
 def test_dry_friction_is_refused_where_nothing_has_a_rate() -> None:
