@@ -120,8 +120,18 @@ def _run(arguments: Sequence[str] | None) -> int:
     except BrokenPipeError:
         return EXIT_OK
     except (Error, ImportError, OSError) as error:
-        complain(error)
+        complain(f"{error}{_place(error, args)}")
         return EXIT_FAILED if _is_of_the_disk(error) else EXIT_BAD_INPUT
+
+
+def _place(error: BaseException, args: argparse.Namespace) -> str:
+    """Where in the scene file of the command an error came from, if it did."""
+    scene = getattr(args, "scene", None)
+    if not isinstance(scene, str) or not scene.endswith(".py"):
+        return ""
+    from ..scenes.runner import place_in
+
+    return place_in(error, scene)
 
 
 def _is_of_the_disk(error: BaseException | None) -> bool:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import signal
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .._core import InvalidArgument
 from .._interrupts import RaisedOnce, tell
@@ -15,6 +15,9 @@ from .output import complain, say
 from .paths import path_argument
 from .progress import Progress
 from .settings_arguments import add_option_argument, add_setting_arguments, parse_options, parse_settings
+
+if TYPE_CHECKING:
+    from ..scenes import SceneFile
 
 #: Of a step that takes longer, the bar shows the iterations [s].
 LONG_STEP = 2.0
@@ -97,18 +100,17 @@ def _check(args: argparse.Namespace) -> None:
         raise InvalidArgument(f"run: {given[0]} is that of the run in {args.resume}; leave it out")
 
 
-def _end(args: argparse.Namespace) -> float:
-    """Simulated time at the end [s]."""
-    from ..scenes import load
+def _end(args: argparse.Namespace, scene_file: SceneFile | None) -> float:
+    """Simulated time at the end [s], of a scene file that is to be run or a run that is to be continued."""
     from ..scenes.resuming import planned_end
     from ..scenes.runner import end_time
 
-    if args.resume is not None:
+    if scene_file is None:
         return planned_end(args.resume) if args.until is None else args.until
-    return end_time(load(args.scene, parse_options(args)), args.until)
+    return end_time(scene_file, args.until)
 
 
-def _run(args: argparse.Namespace, shown: Shown) -> Any:
+def _run(args: argparse.Namespace, scene_file: SceneFile | None, shown: Shown) -> Any:
     from .. import scenes
 
     common: dict[str, Any] = {
@@ -119,12 +121,12 @@ def _run(args: argparse.Namespace, shown: Shown) -> Any:
         "on_step": shown.step,
         "on_progress": shown.progress,
     }
-    if args.resume is not None:
+    if scene_file is None:
         return scenes.resume(args.resume, scene=args.scene, **common)
     looked_at = not args.no_fields and not args.no_replay
     period = scenes.CHECKPOINT_PERIOD if args.checkpoint_every is None else args.checkpoint_every
     return scenes.run(
-        scenes.load(args.scene, parse_options(args)),
+        scene_file,
         out=args.out,
         fps=60.0 if args.fps is None else args.fps,
         checkpoint_every=None if args.no_checkpoint else period,
@@ -165,10 +167,13 @@ def run(args: argparse.Namespace) -> int:
         from .run_view import run_view
 
         return run_view(args, parse_options(args))
+    from ..scenes import load
+
     with RaisedOnce(signal.SIGINT, signal.SIGTERM):
-        bar = Progress(_end(args), quiet=args.quiet)
+        scene_file = load(args.scene, parse_options(args)) if args.resume is None else None
+        bar = Progress(_end(args, scene_file), quiet=args.quiet)
         try:
-            result = _run(args, Shown(bar))
+            result = _run(args, scene_file, Shown(bar))
         finally:
             bar.close()
     if not args.quiet:

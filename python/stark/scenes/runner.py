@@ -355,12 +355,15 @@ def _finish(result: RunResult, scene_file: SceneFile, replay: bool, picture: boo
         write_png(path, render(recording.frame(-1)))
         result.files.append(path)
     if check and result.status == "complete" and scene_file.has_check:
+        file = str(scene_file.module.__file__)
         try:
             scene_file.check(recording)
         except AssertionError as error:
-            result.status, result.message = "wrong", f"the scene's check failed: {error}"
+            text = str(error) or "an assert without a message"
+            result.status = "wrong"
+            result.message = f"the scene's check failed: {text}{place_in(error, file)}"
         except Exception as error:  # code of the user may raise anything
-            text = told(error, str(scene_file.module.__file__))
+            text = told(error, file)
             result.status, result.message = "wrong", f"the scene's check raised {text}"
         else:
             result.message = "check passed"
@@ -368,6 +371,11 @@ def _finish(result: RunResult, scene_file: SceneFile, replay: bool, picture: boo
 
 def told(error: Exception, file: str) -> str:
     """Kind and text of what a scene file raised, and the line of the scene's file that it came from."""
-    lines = [row.lineno for row in traceback.extract_tb(error.__traceback__) if row.filename == file]
-    place = f" ({Path(file).name}, line {lines[-1]})" if lines else ""
-    return f"{type(error).__name__}: {error}{place}"
+    return f"{type(error).__name__}: {error}{place_in(error, file)}"
+
+
+def place_in(error: BaseException, file: str) -> str:
+    """' (name of the file, line)' where an error came from, if it passed through that file."""
+    path = Path(file).resolve()
+    rows = [row for row in traceback.extract_tb(error.__traceback__) if Path(row.filename).resolve() == path]
+    return f" ({path.name}, line {rows[-1].lineno})" if rows else ""

@@ -98,6 +98,29 @@ def test_a_failed_check_ends_the_run_with_1(fall: Path, tmp_path: Path, capsys) 
     assert Recording(tmp_path / "run").status == "complete"
 
 
+@pytest.mark.parametrize(
+    ("code", "text"),
+    [
+        ("import numpyy", "No module named 'numpyy'"),
+        ("def drive(sim): sim['pach']", "unknown body 'pach' (did you mean 'patch'?): must be the name of"),
+        ("def check(run): assert not run", "the scene's check failed: an assert without a message"),
+    ],
+)
+def test_errors_of_a_scene_file_name_its_line(
+    code: str, text: str, fall: Path, tmp_path: Path, capsys
+) -> None:
+    fall.write_text(FALL + "\n" + code + "\n")
+    assert command("run", fall, "--out", tmp_path / "run", "--no-replay", "--no-picture") in (1, 2)
+    complaint = capsys.readouterr().err
+    assert text in complaint and f"({fall.name}, line {len(fall.read_text().splitlines())})" in complaint
+
+
+def test_a_run_loads_its_scene_file_once(fall: Path, tmp_path: Path, capfd) -> None:
+    fall.write_text(FALL + "\nprint('loaded')\n")
+    assert command("run", fall, "--out", tmp_path / "run", "--no-replay", "--no-picture") == 0
+    assert capfd.readouterr().out.count("loaded") == 1
+
+
 def test_a_shortened_run_is_not_checked(fall: Path, tmp_path: Path) -> None:
     fall.write_text(FALL + "\ndef check(run):\n    assert False\n")
     assert command("run", fall, "--out", tmp_path / "run", "--until", "0.05", "--quiet", "--no-picture") == 0
