@@ -123,6 +123,20 @@ TEST_CASE("friction that is no ratio of forces is named, of bodies and of pairs"
   CHECK(all(check_units(scene, {})).find("scene: default_friction = 50") != std::string::npos);
 }
 
+TEST_CASE("rigid bodies in millimetres are named; shells, balloons and weights are ordinary") {
+  const auto found = [](double size, double mass, bool hollow = false) {
+    Scene scene;
+    scene.add_rigid({.name = "part", .mesh = make_box({size, size, size}), .mass = mass, .hollow = hollow});
+    return all(check_units(scene, {}));
+  };
+  CHECK(found(20.0, 0.06) ==
+        "rigid body 'part': mass = 0.06 kg in a volume of 8000 m^3 makes 7.5e-06 kg/m^3 (ordinary: 5 to "
+        "30000 kg/m^3); if the mesh is not in metres, scale it with mesh.scaled(factor)\n");
+  CHECK(found(20.0, 0.06, true) == "");
+  CHECK(found(0.3, 0.003) == "");
+  CHECK(found(0.005, 0.2) == "");
+}
+
 TEST_CASE("fixed and scripted bodies may have any size") {
   Scene scene;
   scene.add_rigid({.mesh = make_box({1000, 1000, 1}), .motion = Motion::Fixed});

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stark/geometry/mass_properties.h>
+#include <stark/geometry/topology.h>
 #include <stark/sim/scene/body_checks.h>
 
 namespace stark {
@@ -26,6 +28,9 @@ constexpr double kThickSheet = 0.1, kNoThickness = 1.0;
 /// What is a million, a milliard or a milliardth of the rigidity of a homogeneous sheet, within this factor,
 /// is one of a modulus in MPa or GPa, or of a thickness in mm.
 constexpr double kLikely = 2.0;
+/// Mass of a rigid body over the volume that its surface encloses: less than that of any balloon [kg/m^3].
+/// There is no upper bound, since weights may have small shapes.
+constexpr double kLightestRigid = 0.01;
 /// Extent of what is simulated as moving [m]. Cloth that is larger than a room has cells below half a metre.
 constexpr Range kExtent{1e-4, 50.0};
 constexpr double kLargeCloth = 10.0, kLargeCell = 0.5;
@@ -115,6 +120,20 @@ void check_material(const Scene& scene, BodyId body, const Vec3& size, const Vec
             quantity_text(modulus, "Pa") + ", and flattens it; 1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
 }
 
+void check_rigid(const Scene& scene, BodyId body, Suspicions& out) {
+  if (scene.kind(body) != BodyKind::Rigid || !scene.is_filled(body)) return;
+  const TriangleMesh& mesh = scene.rigid(body).mesh;
+  if (!is_closed(mesh.triangles)) return;
+  const double volume = compute_solid_mass_properties(mesh.vertices, mesh.triangles, 1.0).measure;
+  const double mass = scene.rigid_inertia(body).mass;
+  if (mass >= kLightestRigid * volume) return;
+  out.add(owner_text(BodyKind::Rigid, scene.name(body)) + ": mass = " + quantity_text(mass, "kg") +
+          " in a volume of " + rough_text(volume, "m^3") + " makes " + rough_text(mass / volume, "kg/m^3") +
+          " (ordinary: " + to_text(kVolumeDensity.low) + " to " +
+          quantity_text(kVolumeDensity.high, "kg/m^3") +
+          "); if the mesh is not in metres, scale it with mesh.scaled(factor)");
+}
+
 /// 0 of automatic ones: they follow from the size of the body and are never too large [m].
 double given_contact_distance(const Scene& scene, BodyId body, const Settings& settings) {
   return scene.contact_distance(body).value_or(settings.contact.distance);
@@ -180,6 +199,7 @@ std::vector<std::string> check_units(const Scene& scene, const Settings& setting
                      "; if the mesh is in metres, give it a contact_distance below " +
                      quantity_text(rough_below(0.01 * max_abs(size)), "m"));
     check_material(scene, body, size, settings.gravity, suspicions);
+    check_rigid(scene, body, suspicions);
   }
   if (settings.contact.enabled) check_friction(scene, suspicions);
   check_slowness(scene, settings, suspicions);
