@@ -294,14 +294,11 @@ class Joint(JointActuators):
             if name == known:
                 return float(self._require_simulation(name)._core.joint_coordinates(self._index)[k])
         coordinates = [coordinate for coordinate, _ in self._coordinates]
-        known = ", ".join(coordinates) or "none"
-        hint = f"; write {ELSEWHERE[name]}" if name in ELSEWHERE else ""
-        public = [attribute for attribute in dir(self) if not attribute.startswith("_")]
-        if not hint and (near := nearest(name, coordinates + public)):
-            hint = f"; did you mean '{near}'?"
+        near = nearest(name, coordinates + [known for known in dir(self) if not known.startswith("_")])
+        hint = f"; write {ELSEWHERE[name]}" if name in ELSEWHERE else near and f"; did you mean '{near}'?"
         raise AttributeError(
             f"joint of the kind '{self._formula.name}' has no attribute '{name}'; its coordinates: "
-            f"{known}{hint}"
+            f"{', '.join(coordinates) or 'none'}{hint}"
         )
 
     def __setattr__(self, name: str, value: Any) -> None:
