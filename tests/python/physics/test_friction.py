@@ -242,3 +242,29 @@ def test_a_box_that_trembles_walks_down_a_slope(
     mean = G * np.cos(20 * stark.deg)
     assert np.mean(forces) == pytest.approx(mean, rel=0.02)
     assert (min(forces) < 0.4 * mean and max(forces) > 2.0 * mean) == (speed > 0.0)
+
+
+@pytest.mark.parametrize(("width", "most"), [(0.1, 0.02), (0.099, 2e-4)])
+def test_a_box_pulled_out_of_a_stack(width: float, most: float) -> None:
+    """The third of five boxes, which carries two, rubs on both faces, as docs/friction.md says."""
+    mu, step = 0.3, 5e-3
+    scene = stark.Scene()
+    scene.default_friction = mu
+    scene.add_floor(1.0)
+    heights = 0.0502 + 0.1003 * np.arange(5)
+    boxes = [
+        scene.add_box((0.1, width if k == 2 else 0.1, 0.1), mass=1.0, position=(0, 0, z))
+        for k, z in enumerate(heights)
+    ]
+    for k in (0, 1, 3, 4):
+        scene.add_slider(None, boxes[k], anchor=boxes[k].position, axis="z")
+    friction = mu * 5.0 * G  # of two boxes above it and three below
+    pull = 1.04 * friction
+    string = scene.add_span(None, boxes[2], (1.0, 0.0, heights[2]), boxes[2].position)
+    string.add_effort(lambda t: -pull * min(1.0, max(0.0, t - 0.3) / 0.3))
+    sim = stark.Simulation(scene, time_step=step, contact_distance=5e-4)
+    sim.run_until(0.7)
+    before = boxes[2].velocity[0]
+    sim.run_until(0.8)
+    measured = pull - 1.0 * (boxes[2].velocity[0] - before) / 0.1
+    assert -2e-4 < measured / friction - 1.0 < most
