@@ -19,14 +19,15 @@ def page(rows: list[dict[str, Any]], peaks: dict[str, float]) -> str:
     """Markdown."""
     text = (
         "# Growth with the number of unknowns\n\n"
-        "`python -m benchmarks.growth --write` makes this page. Solids are `soft_box_drop_40`, cloth is "
-        "`cloth_sphere_576` of [benchmarks/scenes](../README.md#larger-scenes), with fewer cells for the "
-        "smaller sizes: a cube hits a floor, a cloth meets a sphere. One thread. A step ends when the "
-        "largest unbalanced force times the step is below 1e-6 N s. Times are CPU seconds, user and system, "
-        "of the whole run, model and first ordering included, over its Newton iterations. The machine had "
-        "two cores and was busy with other programs, which leaves about a fifth of uncertainty in each "
-        "number; counts of iterations are exact. Phases are shares of wall time, rougher still. Memory is "
-        "the largest of the process less that before the scene.\n\n"
+        "`python -m benchmarks.growth --write` writes this page. The solid is that of `soft_box_drop_40`, "
+        "a cube that hits a floor, and the cloth that of `cloth_sphere_576`, which meets a sphere, both of "
+        "[benchmarks/scenes](../README.md#larger-scenes), with fewer cells for the smaller sizes. The runs "
+        "use one thread. A step ends when the largest unbalanced force times the step is below 1e-6 N s. "
+        "Times per iteration are the CPU seconds, user and system, of the whole run, including model "
+        "building and the first ordering, divided by its Newton iterations. The machine had two cores and "
+        "was busy with other programs, so each time is uncertain by about a fifth; counts of iterations "
+        "are exact. The times of phases are shares of wall time and less accurate. Memory is the peak of "
+        "the process minus the memory before the scene.\n\n"
         "![CPU time of a Newton iteration and memory against unknowns](growth.svg)\n"
     )
     for kind in BARS:

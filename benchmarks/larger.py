@@ -68,13 +68,15 @@ def page(rows: list[dict[str, Any]]) -> str:
     missing = [name for name in RULES if all(row["scene"] != name for row in rows)]
     left_out = f" Not measured at full size: {', '.join(missing)}." if missing else ""
     return (
-        "# Larger scenes\n\n`python -m benchmarks.larger --write` makes this page; "
-        "[what they are](../README.md#larger-scenes). One run each, on one thread. A step ends when the "
-        "largest unbalanced force times the step is below 1e-6 N s; that of the arm as its settings say. CPU "
-        "seconds, user and system, model building included, on a machine of two cores that was busy with "
-        "other programs; phases are shares of wall time and rougher. Intersections are states that the "
-        "package ipctk finds fault with; memory is of the whole process, the states kept for that "
-        f"included.{left_out}\n\n{table(rows)}"
+        "# Larger scenes\n\n"
+        "`python -m benchmarks.larger --write` writes this page; the scenes are [described "
+        "here](../README.md#larger-scenes). Each was run once, on one thread. A step ends when the "
+        "largest unbalanced force times the step is below 1e-6 N s; a step of the arm ends by its own "
+        "settings. CPU seconds, user and system, include model building and were measured on a "
+        "machine of two cores that was busy with other programs; the times of phases are shares of "
+        "wall time and less accurate. Intersections are states in which the package ipctk finds any; "
+        f"memory is that of the whole process, including the states kept for that check.{left_out}\n\n"
+        f"{table(rows)}"
     )
 
 

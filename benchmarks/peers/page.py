@@ -27,33 +27,33 @@ CASES = {
     ),
     "incline_above": Case(
         "Cube on an incline at 1.05 of the limit of friction",
-        "Its acceleration is that of Coulomb's law.",
+        "Its acceleration must be that of Coulomb's law.",
         "error of the acceleration, %",
         1e2,
         1.0,
     ),
     "free_spin": Case(
         "Free rotation",
-        "A box of 0.1 x 0.2 x 0.3 m turns with 10 rad/s about none of its axes for 10 s. Its angular "
-        "momentum must not change.",
+        "A box of 0.1 x 0.2 x 0.3 m rotates at 10 rad/s about an axis that is not a principal one, for 10 s. "
+        "Its angular momentum must not change.",
         "change of the angular momentum, %",
         1e2,
         0.1,
     ),
     "rigid_pile_27": Case(
         "Pile of 27 cubes",
-        "The scene rigid_pile_27, 2 s. Three layers of cubes of 0.1 m come to rest, so the mean height of "
-        "their middles is 150 mm; contact holds them apart or lets them sink into each other. Overlaps are "
-        "pairs of cubes, and cubes and floor, that intersect at the end, for all systems by the same test.",
+        "The scene rigid_pile_27, 2 s. Three layers of cubes of 0.1 m come to rest. With exact contact, the "
+        "mean height of their centres is 150 mm; gaps raise it and penetration lowers it. Overlaps are pairs "
+        "of cubes, or of a cube and the floor, that intersect at the end, by the same test for all systems.",
         "error of the mean height, mm",
         1e3,
         0.6,
     ),
     "soft_cube": Case(
         "Soft cube under its own weight",
-        "A cube of 0.2 m, 1000 kg/m3, E 100 kPa, Poisson's ratio 0.3 stands on a floor for 1 s. How much "
-        "lower it becomes is compared with Stark's on 5 x 5 x 5 quadratic hexahedra; the strains of 2 % "
-        "leave no more than that to differences of the laws.",
+        "A cube of 0.2 m, 1000 kg/m3, E 100 kPa, Poisson's ratio 0.3 stands on a floor for 1 s. Its loss of "
+        "height is compared with that of Stark on 5 x 5 x 5 quadratic hexahedra. Since strains are 2 %, "
+        "differences between the material laws account for no more than that.",
         "error of the squash, %",
         1e2,
         10.0,
@@ -79,13 +79,14 @@ def page(rows: list[dict[str, Any]]) -> str:
     """Markdown."""
     systems = ", ".join(dict.fromkeys(row["system"] for row in rows))
     text = (
-        f"# Beside other simulators\n\n`python -m benchmarks.peers --write` makes this page: {systems}, the "
-        "peers from PyPI in an environment of their own, on the CPU, one thread. Materials and friction are "
-        "the same; settings are those of the documentation of each, and where it names some for accuracy, "
-        "those in rows of their own. CPU seconds, user and system, for a second of simulated time, steps "
-        "alone, on two cores of a shared machine: a fifth of each is uncertain. "
-        "Speeds are compared among rows whose error is within the bound that stands with the table; the "
-        "cheapest of them is bold.\n"
+        "# Beside other simulators\n\n`python -m benchmarks.peers --write` writes this page. "
+        f"It compares {systems}; "
+        "the other simulators are installed from PyPI in a separate environment and run on the CPU with one "
+        "thread. Materials and friction are the same. Settings are those of the documentation of each "
+        "simulator; where it recommends others for accuracy, these have rows of their own. The CPU seconds, "
+        "user and system, are for the steps of one second of simulated time, on two cores of a shared "
+        "machine, and uncertain by a fifth. Only rows whose error is within the bound given with the table "
+        "are compared in speed; the cheapest of them is bold.\n"
     )
     rows = with_errors(rows)
     for name, case in CASES.items():
@@ -93,8 +94,8 @@ def page(rows: list[dict[str, Any]]) -> str:
         if mine:
             text += f"\n## {case.title}\n\n{case.words}\n\n{_table(case, mine)}\n{_verdict(case, mine)}"
     return text + (
-        "\n## What is not here\n\nCloth, grips and fast projectiles. Newton, whose kernels are compiled for "
-        "about a minute of CPU time before its first step on a CPU. A soft cube in PyBullet.\n"
+        "\n## What is not compared\n\nCloth, grips and fast projectiles; Newton, which compiles its kernels "
+        "for about a minute of CPU time before its first step on a CPU; a soft cube in PyBullet.\n"
     )
 
 

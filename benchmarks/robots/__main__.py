@@ -40,10 +40,13 @@ def text(rows: list[Row]) -> str:
     what = f"{len(agree)} of {len(rows)} files of {len(packages)} packages"
     return (
         "# Robots of packages\n\n"
-        f"{what} agree with pinocchio (URDF) and mujoco (MJCF) within 1e-9: the largest differences of "
-        "masses [kg], centres of mass [m], inertias [kg m^2], "
+        f"{what} agree with pinocchio (URDF) and mujoco (MJCF) within 1e-9. The table gives the largest "
+        "differences of masses [kg], centres of mass [m], inertias [kg m^2], "
         "frames [m, 1] and gravity efforts [N m, N] at 20 random q, and of the frames in the scene. "
-        "`python -m benchmarks.robots --write`.\n\n" + _HEADER + "\n".join(map(line, rows)) + "\n"
+        "`python -m benchmarks.robots --write` writes this page.\n\n"
+        + _HEADER
+        + "\n".join(map(line, rows))
+        + "\n"
     )
 
 
