@@ -166,6 +166,25 @@ def test_a_change_in_place_of_what_follows_a_function_is_refused(name: str) -> N
         assert not sim.step().failed and np.allclose(array, kept * (1.0 - sim.time), rtol=1e-12)
 
 
+def test_a_function_given_in_a_run_acts_from_the_next_step_on() -> None:
+    """Until then the value reads as it is, not as the function was at time 0."""
+
+    @stark.energy
+    def push(p: stark.Point, force: stark.Vec3):
+        return -(force @ p.x)
+
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=2))
+    load = scene.add(push(cloth.vertices[4], force=(1e-3, 0.0, 0.0)))
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.run_until(0.05)
+    load.force[0] = 2e-3
+    load.force = lambda t: (0.1 * t, 0.0, 0.0)
+    np.testing.assert_array_equal(load.force, (2e-3, 0.0, 0.0))
+    sim.step()
+    np.testing.assert_allclose(load.force, (6e-3, 0.0, 0.0), rtol=1e-12)
+
+
 def test_what_is_loaded_is_no_change_in_place(tmp_path: Path) -> None:
     sim, handles = live_arrays()
     for name, handle in handles.items():

@@ -118,6 +118,10 @@ class Energy(Handle):
         return value.expose()
 
     def _write(self, name: str, given: Any) -> None:
+        self._binding.values[name].write(self._checked(name, given))
+
+    def _checked(self, name: str, given: Any) -> Floats:
+        """Of a parameter; InvalidArgument for what it cannot be."""
         owner, parameter, value = f"energy '{self.name}'", self._parameter(name), self._binding.values[name]
         array = numbers_of(owner, parameter, given)
         if value.per_element and array.shape == parameter.shape:
@@ -131,7 +135,7 @@ class Energy(Handle):
                 + " to change that"
             )
         check_range(owner, parameter, array, value.per_element)
-        value.write(array)
+        return array
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):  # asked for while a copy has no attributes yet
@@ -146,10 +150,10 @@ class Energy(Handle):
     def __setattr__(self, name: str, given: Any) -> None:
         if name not in self._binding.values:
             raise AttributeError(f"energy '{self.name}' has no parameter '{name}'; {self._known()}")
-        if callable(given):
-            self._write(name, at_start(given, f"energy '{self.name}': {name}"))
-        else:
-            self._write(name, given)
+        value = self._checked(name, at_start(given, f"energy '{self.name}': {name}"))
+        known = self._binding.values[name]
+        acts_later = callable(given) and self._simulation() is not None  # in the next step
+        known.write(known.array if acts_later else value)
         set_courses("energy", self, {name: given})
 
     def _follow(self, simulation: SimulationLink, name: str, value: Any) -> None:
