@@ -31,9 +31,18 @@ TEST_CASE("corners of a square have the mean distance of its points from the cen
   }
 }
 
-TEST_CASE("faces with vertices inside and small ones have none") {
+TEST_CASE("faces with many vertices inside and small ones have none") {
   const TriangleMesh fine = make_box({1.0, 1.0, 1.0}, 4);
   CHECK(find_face_levers(fine.vertices, fine.triangles).empty());
   const TriangleMesh ball = make_icosphere(1.0, 2);
   CHECK(find_face_levers(ball.vertices, ball.triangles).empty());
+}
+
+TEST_CASE("a few vertices inside a face are left out, and its border has the lever arms") {
+  const TriangleMesh coarse = make_box({1.0, 1.0, 1.0}, 2), plain = make_box({1.0, 1.0, 1.0});
+  CHECK(find_lone_vertices(coarse.vertices, coarse.triangles).size() == 6);
+  CHECK(find_face_levers(coarse.vertices, coarse.triangles).size() == 48);
+  CHECK(find_lone_vertices(plain.vertices, plain.triangles).empty());
+  const TriangleMesh fine = make_box({1.0, 1.0, 1.0}, 4);
+  CHECK(find_lone_vertices(fine.vertices, fine.triangles).empty());
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include <stark/geometry/flat_faces.h>
@@ -17,10 +18,15 @@ constexpr double kLargeFace = 0.05;
 /// Points along each edge of a triangle over which distances are averaged.
 constexpr int kFineParts = 8;
 
+/// Vertices inside a face up to which they are too few to sample the pressure on it: of a square of 3 by 3
+/// cells, whose torque they make 6 % too large.
+constexpr size_t kFewInside = 4;
+
 struct Face {
   Vec3 centre;
   double area = 0.0;
-  bool is_convex = true, has_vertices_inside = false;
+  bool is_convex = true;
+  std::set<int32_t> inside{};  ///< its vertices that are not on its border
 };
 
 struct Border {
@@ -55,7 +61,8 @@ std::vector<Face> collect_faces(std::span<const Vec3> x, std::span<const Index3>
     face.centre += (x[a] + x[b] + x[c]) * (area / 3.0);
     face.area += area;
     face.is_convex = face.is_convex && flat.face[t] == flat.patch[t];
-    for (const int32_t v : triangles[t]) face.has_vertices_inside = face.has_vertices_inside || is_inside[v];
+    for (const int32_t v : triangles[t])
+      if (is_inside[v]) face.inside.insert(v);
   }
   for (Face& face : faces) face.centre = face.area > 0.0 ? face.centre / face.area : Vec3{};
   return faces;
@@ -93,17 +100,37 @@ double mean_distance_of_border(std::span<const Vec3> x, const Border& border, co
   return mean;
 }
 
+double area_of_all(std::span<const Face> faces) {
+  double area = 0.0;
+  for (const Face& face : faces) area += face.area;
+  return area;
+}
+
+bool has_levers(const Face& face, double surface) {
+  return face.is_convex && face.inside.size() <= kFewInside && face.area >= kLargeFace * surface &&
+         face.area > 0.0;
+}
+
 }  // namespace
+
+std::vector<int32_t> find_lone_vertices(std::span<const Vec3> vertices, std::span<const Index3> triangles) {
+  std::vector<int32_t> lone;
+  const std::vector<Face> faces = collect_faces(vertices, triangles, find_flat_faces(vertices, triangles));
+  const double surface = area_of_all(faces);
+  for (const Face& face : faces)
+    if (has_levers(face, surface)) lone.insert(lone.end(), face.inside.begin(), face.inside.end());
+  std::ranges::sort(lone);
+  return lone;
+}
 
 std::vector<FaceLever> find_face_levers(std::span<const Vec3> vertices, std::span<const Index3> triangles) {
   const FlatFaces flat = find_flat_faces(vertices, triangles);
   const std::vector<Face> faces = collect_faces(vertices, triangles, flat);
-  double surface = 0.0;
-  for (const Face& face : faces) surface += face.area;
+  const double surface = area_of_all(faces);
   std::vector<FaceLever> levers;
   for (size_t patch = 0; patch < faces.size(); ++patch) {
     const Face& face = faces[patch];
-    if (!face.is_convex || face.has_vertices_inside || !(face.area >= kLargeFace * surface)) continue;
+    if (!has_levers(face, surface)) continue;
     const std::vector<Index3> of_face = triangles_of(patch, flat, triangles);
     const Border border = find_border(vertices, of_face);
     const double of_border = mean_distance_of_border(vertices, border, face.centre);

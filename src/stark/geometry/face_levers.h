@@ -17,8 +17,12 @@ struct FaceLever {
   Vec3 place;  ///< between the vertex and the centre of the face [m]
 };
 
-/// Of all large, convex flat faces without vertices inside; vertices inside carry pressure themselves. Large:
-/// from a twentieth of the surface on; what has smaller ones is round. Sorted by vertex, then triangle.
+/// Of all large, convex flat faces with at most a few vertices inside; more of them carry pressure
+/// themselves. Large: from a twentieth of the surface on; what has smaller ones is round. Sorted by vertex,
+/// then triangle.
 std::vector<FaceLever> find_face_levers(std::span<const Vec3> vertices, std::span<const Index3> triangles);
+
+/// Vertices inside those faces, sorted: too few to sample a pressure, as one in the middle of a disc is.
+std::vector<int32_t> find_lone_vertices(std::span<const Vec3> vertices, std::span<const Index3> triangles);
 
 }  // namespace stark

@@ -28,10 +28,16 @@ def lever(mesh: stark.TriangleMesh) -> float:
 _SQUARE = (np.sqrt(2.0) + np.arcsinh(1.0)) / 6.0
 
 
-@pytest.mark.parametrize(("cells", "error"), [(2, 0.12), (4, 0.04), (8, 0.012), (16, 0.004)])
+@pytest.mark.parametrize(("cells", "error"), [(4, 0.04), (8, 0.012), (16, 0.004)])
 def test_a_spinning_plate_meets_the_torque_of_an_even_pressure(cells: int, error: float) -> None:
     found = lever(stark.mesh.box((_SIDE, _SIDE, 0.01), cells)) / (_SQUARE * _SIDE)
     assert 1.0 <= found < 1.0 + error
+
+
+@pytest.mark.parametrize("cells", [2, 3])
+def test_a_few_vertices_inside_a_face_do_not_change_its_torque(cells: int) -> None:
+    """They are left out. Carrying their part of the pressure, one in the middle made it 11 % too large."""
+    assert lever(stark.mesh.box((_SIDE, _SIDE, 0.01), cells)) == pytest.approx(_SQUARE * _SIDE, rel=2e-3)
 
 
 def test_so_does_a_disc() -> None:
@@ -308,6 +314,20 @@ def clutch(below: stark.TriangleMesh, above: stark.TriangleMesh, motion: str) ->
     return float(np.mean(torques)) / (_MU * pressing * 0.1)
 
 
+def with_middles(cylinder: stark.TriangleMesh) -> stark.TriangleMesh:
+    """The same body, its ends as fans about a vertex in their middle, as in files of others."""
+    x, triangles = cylinder.vertices, cylinder.triangles
+    n, ends = len(x), (x[:, 2].min(), x[:, 2].max())
+    fans = []
+    for k, z in enumerate(ends):
+        of_end = (x[triangles][:, :, 2] == z).all(axis=1)
+        edges = triangles[of_end][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+        border = [e for e in edges.tolist() if e[::-1] not in edges.tolist()]
+        fans += [(a, b, n + k) for a, b in border]
+        triangles = triangles[~of_end]
+    return stark.TriangleMesh(np.vstack([x, [(0, 0, z) for z in ends]]), np.vstack([triangles, fans]))
+
+
 @pytest.mark.parametrize(
     ("radius", "motion"),
     [
@@ -324,5 +344,6 @@ def test_discs_on_discs_meet_the_torque_of_an_even_pressure(
     radius: float, motion: str, segments: int
 ) -> None:
     """Two thirds. With vertices in the middle of their ends they met 0.50 to 0.91."""
-    discs = (stark.mesh.cylinder(r, 0.02, segments) for r in (radius, 0.1))
+    discs = [stark.mesh.cylinder(r, 0.02, segments) for r in (radius, 0.1)]
     assert clutch(*discs, motion) == pytest.approx(2.0 / 3.0, rel=0.0125)
+    assert clutch(*map(with_middles, discs), motion) == pytest.approx(2.0 / 3.0, rel=0.0125)

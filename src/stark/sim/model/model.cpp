@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include <stark/base/error.h>
+#include <stark/geometry/face_levers.h>
 #include <stark/geometry/flat_faces.h>
 #include <stark/geometry/topology.h>
 #include <stark/mechanics/past_measures.h>
@@ -214,7 +215,8 @@ std::vector<PotentialBatch*> Energies::all_batches() {
 namespace {
 
 /// What collides of a body: of rigid ones the polyhedron without what its triangulation adds. Vertices inside
-/// flat faces are kept where the body `moves`: they carry their part of the pressure.
+/// flat faces are kept where the body `moves` and there are more than a few: they carry their part of the
+/// pressure.
 void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> rest, bool has_faces, bool moves,
                  ContactSurfaces& out) {
   SurfaceMesh& mesh = out.mesh;
@@ -223,8 +225,11 @@ void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> res
                           : separate_faces(body.triangles);
   const auto first_triangle = static_cast<int32_t>(mesh.triangles.size());
   for (int32_t v = 0; v < body.site_count; ++v) mesh.vertex_group[body.first_site + v] = group;
-  if (!moves)
-    for (const int32_t v : faces.inner_vertices) mesh.inner.push_back(body.first_site + v);
+  std::vector<int32_t> inner = faces.inner_vertices;
+  if (moves && is_rigid(body.kind))
+    inner = has_faces ? find_lone_vertices(rest.subspan(body.first_site, body.site_count), body.triangles)
+                      : std::vector<int32_t>{};
+  for (const int32_t v : inner) mesh.inner.push_back(body.first_site + v);
   for (size_t t = 0; t < body.triangles.size(); ++t) {
     const auto& [v0, v1, v2] = body.triangles[t];
     mesh.triangles.push_back({body.first_site + v0, body.first_site + v1, body.first_site + v2});
