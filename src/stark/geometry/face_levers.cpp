@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <utility>
 
-#include <stark/geometry/flat_faces.h>
 #include <stark/geometry/topology.h>
 
 namespace stark {
@@ -20,13 +18,13 @@ constexpr int kFineParts = 8;
 
 /// Vertices inside a face up to which they are too few to sample the pressure on it: of a square of 3 by 3
 /// cells, whose torque they make 6 % too large.
-constexpr size_t kFewInside = 4;
+constexpr int kFewInside = 4;
 
 struct Face {
   Vec3 centre;
   double area = 0.0;
   bool is_convex = true;
-  std::set<int32_t> inside{};  ///< its vertices that are not on its border
+  int vertices_inside = 0;
 };
 
 struct Border {
@@ -48,11 +46,20 @@ Border find_border(std::span<const Vec3> x, std::span<const Index3> face) {
   return border;
 }
 
+/// The patch around each of them.
+std::vector<int32_t> patches_of_inner_vertices(std::span<const Index3> triangles, const FlatFaces& flat) {
+  std::vector<int32_t> patches(flat.inner_vertices.size());
+  for (size_t t = 0; t < triangles.size(); ++t)
+    for (const int32_t v : triangles[t])
+      if (const auto inner = std::ranges::lower_bound(flat.inner_vertices, v);
+          inner != flat.inner_vertices.end() && *inner == v)
+        patches[inner - flat.inner_vertices.begin()] = flat.patch[t];
+  return patches;
+}
+
 /// Those of each patch at its lowest triangle; others have no area.
 std::vector<Face> collect_faces(std::span<const Vec3> x, std::span<const Index3> triangles,
                                 const FlatFaces& flat) {
-  std::vector<bool> is_inside(x.size(), false);
-  for (const int32_t v : flat.inner_vertices) is_inside[v] = true;
   std::vector<Face> faces(triangles.size());
   for (size_t t = 0; t < triangles.size(); ++t) {
     Face& face = faces[flat.patch[t]];
@@ -61,9 +68,8 @@ std::vector<Face> collect_faces(std::span<const Vec3> x, std::span<const Index3>
     face.centre += (x[a] + x[b] + x[c]) * (area / 3.0);
     face.area += area;
     face.is_convex = face.is_convex && flat.face[t] == flat.patch[t];
-    for (const int32_t v : triangles[t])
-      if (is_inside[v]) face.inside.insert(v);
   }
+  for (const int32_t patch : patches_of_inner_vertices(triangles, flat)) ++faces[patch].vertices_inside;
   for (Face& face : faces) face.centre = face.area > 0.0 ? face.centre / face.area : Vec3{};
   return faces;
 }
@@ -107,19 +113,21 @@ double area_of_all(std::span<const Face> faces) {
 }
 
 bool has_levers(const Face& face, double surface) {
-  return face.is_convex && face.inside.size() <= kFewInside && face.area >= kLargeFace * surface &&
+  return face.is_convex && face.vertices_inside <= kFewInside && face.area >= kLargeFace * surface &&
          face.area > 0.0;
 }
 
 }  // namespace
 
-std::vector<int32_t> find_lone_vertices(std::span<const Vec3> vertices, std::span<const Index3> triangles) {
+std::vector<int32_t> find_lone_vertices(std::span<const Vec3> vertices, std::span<const Index3> triangles,
+                                        const FlatFaces& flat) {
   std::vector<int32_t> lone;
-  const std::vector<Face> faces = collect_faces(vertices, triangles, find_flat_faces(vertices, triangles));
+  if (flat.inner_vertices.empty()) return lone;
+  const std::vector<Face> faces = collect_faces(vertices, triangles, flat);
   const double surface = area_of_all(faces);
-  for (const Face& face : faces)
-    if (has_levers(face, surface)) lone.insert(lone.end(), face.inside.begin(), face.inside.end());
-  std::ranges::sort(lone);
+  const std::vector<int32_t> patches = patches_of_inner_vertices(triangles, flat);
+  for (size_t i = 0; i < patches.size(); ++i)
+    if (has_levers(faces[patches[i]], surface)) lone.push_back(flat.inner_vertices[i]);
   return lone;
 }
 

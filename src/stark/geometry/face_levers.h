@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <stark/geometry/flat_faces.h>
 #include <stark/geometry/mesh.h>
 
 namespace stark {
@@ -23,6 +24,8 @@ struct FaceLever {
 std::vector<FaceLever> find_face_levers(std::span<const Vec3> vertices, std::span<const Index3> triangles);
 
 /// Vertices inside those faces, sorted: too few to sample a pressure, as one in the middle of a disc is.
-std::vector<int32_t> find_lone_vertices(std::span<const Vec3> vertices, std::span<const Index3> triangles);
+/// flat: find_flat_faces() of the mesh.
+std::vector<int32_t> find_lone_vertices(std::span<const Vec3> vertices, std::span<const Index3> triangles,
+                                        const FlatFaces& flat);
 
 }  // namespace stark

@@ -220,15 +220,14 @@ namespace {
 void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> rest, bool has_faces, bool moves,
                  ContactSurfaces& out) {
   SurfaceMesh& mesh = out.mesh;
+  const std::span<const Vec3> own = rest.subspan(body.first_site, body.site_count);
   const FlatFaces faces =
-      is_rigid(body.kind) ? find_flat_faces(rest.subspan(body.first_site, body.site_count), body.triangles)
-                          : separate_faces(body.triangles);
+      is_rigid(body.kind) ? find_flat_faces(own, body.triangles) : separate_faces(body.triangles);
   const auto first_triangle = static_cast<int32_t>(mesh.triangles.size());
   for (int32_t v = 0; v < body.site_count; ++v) mesh.vertex_group[body.first_site + v] = group;
   std::vector<int32_t> inner = faces.inner_vertices;
   if (moves && is_rigid(body.kind))
-    inner = has_faces ? find_lone_vertices(rest.subspan(body.first_site, body.site_count), body.triangles)
-                      : std::vector<int32_t>{};
+    inner = has_faces ? find_lone_vertices(own, body.triangles, faces) : std::vector<int32_t>{};
   for (const int32_t v : inner) mesh.inner.push_back(body.first_site + v);
   for (size_t t = 0; t < body.triangles.size(); ++t) {
     const auto& [v0, v1, v2] = body.triangles[t];

@@ -92,6 +92,8 @@ struct Model::Builder {
                            const std::array<double, 4>& weights);
   /// Adds a site and its place, or direction, at rest; returns its number.
   int32_t add_site(const Site& site, const Vec3& rest);
+  /// Of a point of a rigid body, in the world at rest.
+  int32_t add_rigid_site(const ModelBody& body, const Vec3& place);
   /// Of a point between vertices.
   int32_t add_embedded_site(const ModelBody& body, const Index4& vertices,
                             const std::array<double, 4>& weights);

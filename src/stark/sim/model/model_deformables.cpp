@@ -77,12 +77,8 @@ void Model::Builder::add_deformables() {
     body.site_count = static_cast<int32_t>(rest.size());
     body.pins = scene.pins(id).vertices;
     for (const Vec3& X : rest) {
-      sites.push_back({.kind = SiteKind::Point,
-                       .index = static_cast<int32_t>(sites.size()),
-                       .local = {},
-                       .points = {},
-                       .weights = {}});
-      model.rest_positions_.push_back(X);
+      const auto point = static_cast<int32_t>(sites.size());
+      add_site({.kind = SiteKind::Point, .index = point, .local = {}, .points = {}, .weights = {}}, X);
       point_prescribed.push_back(false);
       model.point_masses_.push_back(0.0);
       model.point_damping_.push_back(0.0);

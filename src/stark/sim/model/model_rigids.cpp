@@ -49,20 +49,20 @@ void Model::Builder::add_axis_sites(int32_t body) {
                      .weights = {}});
 }
 
+int32_t Model::Builder::add_rigid_site(const ModelBody& body, const Vec3& place) {
+  const Vec3 local = transpose(body.axes) * (place - body.centre);
+  return add_site(
+      {.kind = SiteKind::RigidPoint, .index = body.rigid_index, .local = local, .points = {}, .weights = {}},
+      place);
+}
+
 void Model::Builder::add_rigid_sites() {
   centre_sites.assign(body_prescribed.size(), -1);
   axis_sites.assign(body_prescribed.size(), -1);
   for (const int32_t i : rigid_bodies) {
     ModelBody& body = model.bodies_[i];
     body.first_site = static_cast<int32_t>(sites.size());
-    for (const Vec3& v : scene.rigid(BodyId{i}).mesh.vertices) {
-      sites.push_back({.kind = SiteKind::RigidPoint,
-                       .index = body.rigid_index,
-                       .local = transpose(body.axes) * (v - body.centre),
-                       .points = {},
-                       .weights = {}});
-      model.rest_positions_.push_back(v);
-    }
+    for (const Vec3& v : scene.rigid(BodyId{i}).mesh.vertices) add_rigid_site(body, v);
   }
   for (const int32_t i : rigid_bodies) {
     const ModelBody& body = model.bodies_[i];
@@ -82,13 +82,8 @@ void Model::Builder::add_levers() {
     if (scene.surface_directions(BodyId{i}).size() > 1) continue;
     const ModelBody& body = model.bodies_[i];
     for (const FaceLever& lever : find_face_levers(scene.rigid(BodyId{i}).mesh.vertices, body.triangles)) {
-      model.levers_.push_back({static_cast<int32_t>(sites.size()), i, lever.vertex, lever.triangle});
-      sites.push_back({.kind = SiteKind::RigidPoint,
-                       .index = body.rigid_index,
-                       .local = transpose(body.axes) * (lever.place - body.centre),
-                       .points = {},
-                       .weights = {}});
-      model.rest_positions_.push_back(lever.place);
+      const int32_t site = add_rigid_site(body, lever.place);
+      model.levers_.push_back({site, i, lever.vertex, lever.triangle});
     }
   }
 }

@@ -73,13 +73,10 @@ void Model::Builder::add_rod_sites() {
     const RestRod rest = rest_of(scene.rod(BodyId{i}));
     body.first_site = static_cast<int32_t>(sites.size());
     for (int32_t v = 0; v < body.site_count; ++v) {
-      centre_sites[body.rigid_index + v] = static_cast<int32_t>(sites.size());
-      sites.push_back({.kind = SiteKind::RigidPoint,
-                       .index = body.rigid_index + v,
-                       .local = {},
-                       .points = {},
-                       .weights = {}});
-      model.rest_positions_.push_back(rest.nodes[v]);
+      const int32_t node = body.rigid_index + v;
+      centre_sites[node] =
+          add_site({.kind = SiteKind::RigidPoint, .index = node, .local = {}, .points = {}, .weights = {}},
+                   rest.nodes[v]);
     }
     for (int32_t v = 0; v < body.site_count; ++v) {
       add_axis_sites(body.rigid_index + v);

@@ -1,5 +1,5 @@
 // An energy of the user's own in a scene: a formula, the points it acts on, the values of its parameters.
-// Built-in energies are made of the same parts by sim/model/model; there is no other way.
+// Built-in energies are made of the same parts by sim/model; there is no other way.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // Materials of cloth, solids and rods: plain parameters with units, a descriptor table each, and presets.
-// They say nothing about energies; sim/model/model picks the potentials.
+// They say nothing about energies; sim/model picks the potentials.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // Scene: the mutable description of what is simulated, as plain data. Bodies, their layers, materials, pins,
 // friction, pairs without contact, joints, actuators, energies of the user's own. Everything is validated
 // when it is added, so a scene that exists is a scene that can be built; no numerics happen here.
-// sim/model/model turns it into stencils and parameter tables. SI units.
+// sim/model turns it into stencils and parameter tables. SI units.
 #pragma once
 
 #include <algorithm>
