@@ -111,13 +111,13 @@ void scatter_hessians(const double* upper, int nodes, int64_t lane_count, const 
   for (int p = 0; p < nodes; ++p) {
     const int own = pair;  // of the node with itself
     // Both orders of two nodes that are one point belong to the block of that point.
-    const auto is_one_point = [&](const PairPlace* of_element) {
-      return pair != own && of_element[pair] == of_element[own] && of_element[own] >= 0;
+    const auto is_one_point = [&](int64_t lane) {
+      const PairPlace* of_element = places + lane * pair_count;
+      return pair != own && of_element[own] >= 0 && of_element[pair] == of_element[own];
     };
     for (int q = p; q < nodes; ++q, ++pair) {
-      const auto is_one_in_lane = [&](int64_t l) { return is_one_point(places + l * pair_count); };
       if (q > p && pairs == ScatterPairs::Diagonal &&
-          std::ranges::none_of(std::views::iota(int64_t{0}, lane_count), is_one_in_lane))
+          std::ranges::none_of(std::views::iota(int64_t{0}, lane_count), is_one_point))
         continue;
       const std::array<int, 9> entries = find_entries(3 * nodes, p, q);
       if (pair + 1 < pair_count) prefetch(places + pair + 1, pair_count, lane_count, slot_of, matrix);
@@ -130,7 +130,7 @@ void scatter_hessians(const double* upper, int nodes, int64_t lane_count, const 
         for (int l = 0; l < kHalf && half + l < lane_count; ++l) {
           const PairPlace place = places[(half + l) * pair_count + pair];
           if (place < 0) continue;
-          const bool is_one = is_one_in_lane(half + l);
+          const bool is_one = is_one_point(half + l);
           if (q > p && pairs == ScatterPairs::Diagonal && !is_one) continue;
           double* block = matrix.values.data() + 9 * slot_of[place >> 1];
           add(block, first[l], second[l], last[l], (place & 1) != 0);
