@@ -293,7 +293,7 @@ class PointContacts {
   std::vector<int32_t> known_cells() const {
     std::vector<int32_t> known;
     const PairKind kind = raw_.front().key.kind;
-    const auto groups = groups_of(*geometry_.mesh, second_kind(kind));
+    const auto& groups = groups_of(*geometry_.mesh, second_kind(kind));
     for (const PairKey& name : known_)
       if (groups[name.second] == raw_.front().group_b) known.push_back(name.second);
     return known;
