@@ -21,8 +21,10 @@ from stark.bodies.restitution import RestitutionTable
 from stark.bodies.rings import ring_warnings
 from stark.bodies.scene_bodies import SceneBodies
 from stark.bodies.unfolding import unfolding_warnings
+from stark.handle import Follower
 from stark.joints.joined_ends import joined_ends_warnings
 from stark.joints.scene_joints import SceneJoints
+from stark.joints.unfit_starts import unfit_start_warnings
 from stark.loads.scene_loads import SceneLoads
 from stark.named import NamedTuple
 from stark.robots.scene_robots import SceneRobots
@@ -202,6 +204,11 @@ class Scene(
             *ring_warnings(self._bodies, self._joints, self._attachments),
             *self._twin_warnings(),
         ]
+
+    def _uneven_starts(self, simulation: _core.Simulation, followers: Iterable[Follower]) -> list[str]:
+        """Of motions and velocities with which a simulation begins."""
+        jumps = [text for text in (follower.jump() for follower in followers) if text]
+        return jumps + unfit_start_warnings(self._core, simulation, self._joints[: simulation.joint_count])
 
     def _twin_warnings(self) -> list[str]:
         if len(self._energies) < 2:

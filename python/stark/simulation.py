@@ -202,8 +202,8 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
 
     def _step(self, limit: float | None, progress: OnProgress | None) -> StepReport:
         self._warn_of_late_changes()
+        self._warn_of_jumps()
         if self._scene._followers or self._scene._courses:
-            self._warn_of_jumps()
             limit = self._follow_motions(limit)
         for values in self._live_values:
             values.push(self._core)
@@ -278,11 +278,11 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
             yield
 
     def _warn_of_jumps(self) -> None:
-        """Once, before the first step: motions that start elsewhere than what follows them."""
+        """Once, before the first step: motions and velocities that do not fit what follows or holds them."""
         if self._looked_for_jumps or self.time > 0.0:
             return
         self._looked_for_jumps = True
-        for message in filter(None, (follower.jump() for follower in self._followers())):
+        for message in self._scene._uneven_starts(self._core, self._followers()):
             warn(message)
 
     def _followers(self) -> list[Follower]:
