@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import real_array, real_number, refuse_masked
+from stark.arguments import real_array, real_number, refuse_masked, shown_value
 from stark.caller import warn
 
 Vec3Like: TypeAlias = Sequence[float] | NDArray[np.floating]
@@ -28,19 +28,24 @@ _WHOLE_RADIANS = 25
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
+def _given(name: str, value: object) -> str:
+    """Name and value as messages show them; of large arrays the shape."""
+    return f"{name} = {shown_value(value, 200)}"
+
+
 def vector(value: ArrayLike, name: str) -> NDArray[np.float64]:
     """Three finite numbers as an array of shape (3,), or InvalidArgument that calls them ``name``."""
     refuse_masked(value, name)
     try:
         result = real_array(value, name)
     except InvalidArgument:
-        raise InvalidArgument(f"{name} = {value!r}: must be three numbers") from None
+        raise InvalidArgument(f"{_given(name, value)}: must be three numbers") from None
     if result.shape != (3,):
-        raise InvalidArgument(f"{name} = {value!r}: must be three numbers, got the shape {result.shape}")
+        raise InvalidArgument(f"{_given(name, value)}: must be three numbers, got the shape {result.shape}")
     if not np.isfinite(result).all():
-        raise InvalidArgument(f"{name} = {value!r}: must be finite; check where it is computed")
+        raise InvalidArgument(f"{_given(name, value)}: must be finite; check where it is computed")
     if np.abs(result).max() >= LARGEST:
-        raise InvalidArgument(f"{name} = {value!r}: none must be beyond 1e150; check where it is computed")
+        raise InvalidArgument(f"{_given(name, value)}: none must be beyond 1e150; check where it is computed")
     return result
 
 
@@ -49,7 +54,7 @@ def direction(value: str | ArrayLike, name: str) -> NDArray[np.float64]:
     numbers."""
     if isinstance(value, str):
         if value not in _AXES:
-            raise InvalidArgument(f"{name} = {value!r}: must be 'x', 'y', 'z' or three numbers")
+            raise InvalidArgument(f"{_given(name, value)}: must be 'x', 'y', 'z' or three numbers")
         return np.array(_AXES[value])
     result = vector(value, name)
     if not result.any():
@@ -122,7 +127,7 @@ def as_matrix(value: ArrayLike | None, name: str) -> NDArray[np.float64]:
         return _from_quaternion(array, name)
     if array.shape != (3, 3):
         raise InvalidArgument(
-            f"{name} = {value!r}: must be a 3x3 matrix or a quaternion (w, x, y, z); "
+            f"{_given(name, value)}: must be a 3x3 matrix or a quaternion (w, x, y, z); "
             f"build it with stark.rotation(axis=, angle=)"
         )
     error = np.abs(array.T @ array - np.eye(3)).max()
@@ -154,7 +159,9 @@ def _from_quaternion(value: ArrayLike, name: str) -> NDArray[np.float64]:
         q = np.empty(0)
     norm = float(np.linalg.norm(q)) if q.shape == (4,) else math.nan
     if not (math.isfinite(norm) and norm > 0.0):
-        raise InvalidArgument(f"{name} = {value!r}: must be four finite numbers (w, x, y, z), not all zero")
+        raise InvalidArgument(
+            f"{_given(name, value)}: must be four finite numbers (w, x, y, z), not all zero"
+        )
     w, x, y, z = q / norm
     return np.array(
         [

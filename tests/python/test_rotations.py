@@ -46,3 +46,16 @@ def test_whole_numbers_beyond_four_turns_are_taken_for_degrees() -> None:
     with pytest.warns(stark.StarkWarning, match="angle = -45 rad"):
         stark.rotation(axis="x", angle=np.int64(-45))  # type: ignore[arg-type]
     stark.rotation(axis="x", angle=25)
+
+
+def test_messages_do_not_print_large_arrays() -> None:
+    scene = stark.Scene()
+    sheet = stark.mesh.grid(1.0, 1.0, cells=10)
+    edge = np.flatnonzero(sheet.vertices[:, 0] < -0.49)
+    cloth = scene.add_cloth(sheet, pins=edge)
+    with pytest.raises(
+        stark.InvalidArgument, match=r"an array of shape \(121, 3\).*must be three numbers"
+    ) as told:
+        cloth.follow(displacement=lambda t: t * sheet.vertices, vertices=edge)
+        stark.Simulation(scene).step()
+    assert len(str(told.value)) < 200

@@ -38,14 +38,19 @@ class LayeredBody(DeformableBody, ActiveFibres):
         """Adds a sheet on vertices of this body, without unknowns of its own: its energy and its mass are
         added to those of the body. Before the simulation is made.
 
-        ``triangles`` (m, 3) are vertices of the body, of its surface or within it; all of the surface if left
-        out. ``mass`` [kg] replaces the density of the material. ``rest_angles`` is "mesh" (the angles of the
-        mesh are at rest) or "flat". Pictures show it if it has a ``color``. The surface for contact stays
-        that of the body."""
+        ``triangles`` (m, 3) are vertices of the body, of its surface (rows of ``body.triangles``) or within
+        it; all of the surface if left out. ``mass`` [kg] replaces the density of the material.
+        ``rest_angles`` is "mesh" (the angles of the mesh are at rest) or "flat". Pictures show it if it has a
+        ``color``. The surface for contact stays that of the body."""
         owner = _owner("skin", self, name, material, ShellMaterial, "stark.materials.pet")
         given = {"name": given_name(name), "body": self._index, "color": color}
         chosen = None if triangles is None else _integers(triangles, 3, f"{owner}: triangles", "(m, 3)")
         shown = self.triangles if chosen is None else chosen
+        if chosen is not None and self._numbered_by_surface(chosen):
+            raise InvalidArgument(
+                f"{owner}: triangles: are rows of surface_triangles, which count the vertices of the surface "
+                f"only, and would connect other vertices of the body: choose from body.triangles"
+            )
         if mass is not None:
             material = material._with_mass(mass, _area(self, shown), owner)
         given_choice(rest_angles, ("flat", "mesh"), f"{owner}: rest_angles")
@@ -105,6 +110,15 @@ class LayeredBody(DeformableBody, ActiveFibres):
         fibres._paths, fibres._bending = lines, bool(bending)
         self._scene._append_layer(fibres)
         return fibres
+
+    def _numbered_by_surface(self, triangles: Indices) -> bool:
+        """Whether all are rows of ``surface_triangles`` and not all of ``triangles``, which differ where
+        the body has vertices within."""
+        inner, outer = self.surface_triangles, self.triangles
+        if inner is outer or np.array_equal(inner, outer):
+            return False
+        chosen, of_body = set(map(tuple, triangles.tolist())), set(map(tuple, outer.tolist()))
+        return chosen <= set(map(tuple, inner.tolist())) and not chosen <= of_body
 
     @property
     def internal_variables(self) -> dict[str, Floats]:

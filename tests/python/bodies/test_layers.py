@@ -201,6 +201,18 @@ def test_what_cannot_be_is_refused_and_leaves_the_scene_as_it_was(
     refused(match, **change)
 
 
+def test_triangles_numbered_by_the_vertices_of_the_surface_are_refused() -> None:
+    scene = stark.Scene()
+    block = scene.add_solid(stark.mesh.tet_box(0.1, cells=3), stark.materials.silicone)
+    top = (block.mesh.vertices[block.triangles][:, :, 2] > 0.0499).all(axis=1)
+    with pytest.raises(stark.InvalidArgument, match=r"choose from body\.triangles"):
+        block.add_skin(stark.materials.pet, triangles=block.surface_triangles[top])
+    skin = block.add_skin(stark.materials.pet, triangles=block.triangles[top])
+    assert abs(skin.mass / (0.01 * stark.materials.pet.density) - 1.0) < 1e-6
+    within = scene.add_solid(stark.mesh.tet_box(0.1, cells=1), stark.materials.silicone, position=(1, 0, 0))
+    within.add_skin(stark.materials.pet, triangles=[(0, 1, 6)])  # no vertex within: nothing to mistake
+
+
 def test_rods_and_rigid_bodies_have_no_layers() -> None:
     scene = stark.Scene()
     assert not hasattr(scene.add_box(0.1, mass=1.0), "add_skin")
