@@ -21,6 +21,7 @@ from stark.bodies.restitution import RestitutionTable
 from stark.bodies.rings import ring_warnings
 from stark.bodies.scene_bodies import SceneBodies
 from stark.bodies.unfolding import unfolding_warnings
+from stark.bodies.unjoined import unjoined_warnings
 from stark.handle import Follower
 from stark.joints.joined_ends import joined_ends_warnings
 from stark.joints.scene_joints import SceneJoints
@@ -202,6 +203,7 @@ class Scene(
             *unfolding_warnings(self._bodies),
             *joined_ends_warnings(self._core, self._joints, settings),
             *ring_warnings(self._bodies, self._joints, self._attachments),
+            *unjoined_warnings(self._bodies, self._energies, self._attachments, self._joints, self._layers),
             *self._twin_warnings(),
         ]
 

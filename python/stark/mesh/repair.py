@@ -9,23 +9,31 @@ from numpy.typing import NDArray
 
 from stark._core import InvalidArgument, InvalidMesh
 from stark.mesh.arguments import Indices, Points, corners_of, numbers_of
-from stark.mesh.types import TetMesh, TriangleMesh, compact
+from stark.mesh.types import EmbeddedMesh, Mesh, SolidMesh, TetMesh, TriangleMesh, compact
 from stark.overloads import overload
 
 #: Odd numbers by which the cells of a grid get one number each, and neighbours those next to it, modulo 2^64.
 _MIXED = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
 
 
-def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
-    """Copy in which vertices at the same place are one; collapsed triangles go. With a ``tolerance`` [m]
-    those of one cell of a grid of that size are one, and the first ones of cells that lie beside each other,
-    if they are no farther apart."""
-    if not isinstance(mesh, TriangleMesh):
-        raise InvalidMesh(f"merged: got {type(mesh).__name__}: must be a TriangleMesh")
+@overload
+def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh: ...
+@overload
+def merged(mesh: TetMesh, tolerance: float = 0.0) -> TetMesh: ...
+@overload
+def merged(mesh: SolidMesh, tolerance: float = 0.0) -> SolidMesh: ...
+def merged(mesh: Mesh, tolerance: float = 0.0) -> Mesh:
+    """Copy in which vertices at the same place are one; collapsed triangles and elements go. With a
+    ``tolerance`` [m] those of one cell of a grid of that size are one, and the first ones of cells that lie
+    beside each other, if they are no farther apart."""
+    if not isinstance(mesh, (TriangleMesh, TetMesh, SolidMesh)) or isinstance(mesh, EmbeddedMesh):
+        raise InvalidMesh(f"merged: got {type(mesh).__name__}: must be a TriangleMesh, TetMesh or SolidMesh")
     grid = numbers_of(tolerance)
     if grid.shape != () or not 0.0 <= grid < np.inf:
         raise InvalidArgument(f"merged: tolerance = {tolerance!r} m: must be a number >= 0")
-    corners_of(mesh.vertices, mesh.triangles, "merged: triangles")
+    name = "triangles" if isinstance(mesh, TriangleMesh) else "elements"
+    elements = getattr(mesh, name)
+    corners_of(mesh.vertices, elements, f"merged: {name}")
     keys = mesh.vertices if grid == 0.0 else np.round(mesh.vertices / grid)
     cells, first, renumbered = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)  # keeps the order of the file
@@ -34,10 +42,10 @@ def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
     vertices, numbers = mesh.vertices[first[order]], rank[renumbered.reshape(-1)]
     if grid > 0.0:
         numbers = _across_cells(cells[order], vertices, float(grid))[numbers]
-    triangles = numbers[mesh.triangles]
-    a, b, c = triangles.T
-    triangles = triangles[(a != b) & (b != c) & (c != a)]
-    return compact(TriangleMesh(vertices, triangles.astype(np.int32)))
+    found = numbers[elements].astype(np.int32)
+    nodes = np.sort(found, axis=1)
+    whole_ones = (nodes[:, 1:] != nodes[:, :-1]).all(axis=1)
+    return compact(type(mesh)(vertices, found[whole_ones]))
 
 
 def _across_cells(cells: Points, vertices: Points, reach: float) -> NDArray[np.int64]:

@@ -42,6 +42,24 @@ def test_merged_and_compact() -> None:
     assert len(mesh.compact(spare).vertices) == 8 and mesh.compact(spare).volume == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize(
+    "block",
+    [mesh.tet_box(0.1, 2), mesh.box_hexahedra(0.1, 2), mesh.to_quadratic(mesh.tet_box(0.1, 1))],
+    ids=["tet4", "hex8", "tet10"],
+)
+def test_merged_joins_the_parts_of_a_solid(block: mesh.TetMesh | mesh.SolidMesh) -> None:
+    apart = type(block)(
+        np.vstack([block.vertices, block.vertices + np.array([0.1 + 1e-9, 0.0, 0.0])]),
+        np.vstack([block.elements, block.elements + len(block.vertices)]),
+    )
+    side = int((abs(block.vertices[:, 0] - 0.05) < 1e-9).sum())
+    assert len(mesh.merged(apart).vertices) == len(apart.vertices)  # not at the same place to the last bit
+    joined = mesh.merged(apart, 1e-7)
+    assert len(joined.vertices) == len(apart.vertices) - side
+    assert joined.volumes.sum() == pytest.approx(0.002, rel=1e-6)
+    assert len(joined.elements) == len(apart.elements)
+
+
 def test_noise_of_a_scan_leaves_no_cracks() -> None:
     """With noise of a tenth of the tolerance half as many vertices again were left, on borders of cells."""
     ball = mesh.sphere(1.0, 4)
