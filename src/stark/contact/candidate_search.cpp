@@ -50,7 +50,8 @@ struct CandidateSearch::Implementation {
   Candidates* at_trial = nullptr;  ///< the one that the last trial point was given, while it is there
   std::shared_ptr<const EdgeRanges> edge_ranges{};
   std::vector<double> separation{};  ///< by group [m]
-  CandidateList on_way{}, found{}, found_distant{};
+  CandidateList found{}, found_distant{};
+  std::vector<Vec3> part_end{};
   std::vector<uint8_t> moved{}, moved_in_trial{};
   ContactCounters counters{};
 
@@ -74,6 +75,12 @@ struct CandidateSearch::Implementation {
   /// Pairs of `base` without marked sites, and those found anew.
   void merge(const CandidateList& base, const CandidateList& anew, std::span<const uint8_t> marked,
              CandidateList& out);
+  /// Pairs that come within the sum of their groups' separations [m] on the straight way from x0 to x1 and
+  /// that the list of the last at() lacks, and others; none where it lacks none.
+  const CandidateList* find_others(std::span<const Vec3> x0, std::span<const Vec3> x1,
+                                   std::span<const double> group_separation);
+  /// Where a part of the way from x0 to x1 ends [m].
+  std::span<const Vec3> end_of_part(std::span<const Vec3> x0, std::span<const Vec3> x1, double part);
 };
 
 CandidateSearch::CandidateSearch(SurfaceMesh mesh, PairFilter filter, std::span<const double> group_distance,
@@ -243,19 +250,47 @@ const CandidateList& CandidateSearch::at_accepted_trial(std::span<const Vec3> x)
   return self.current.list;
 }
 
-const CandidateList& CandidateSearch::on_way(std::span<const Vec3> x0, std::span<const Vec3> x1,
-                                             std::span<const double> group_separation) {
+const CandidateList* CandidateSearch::Implementation::find_others(std::span<const Vec3> x0,
+                                                                  std::span<const Vec3> x1,
+                                                                  std::span<const double> group_separation) {
+  if (covers(current, x1) && covers(current, x0)) return nullptr;
+  const PhaseTimer::Scope scope(timer, Phase::BroadPhase);
+  counters.sites += current.x.empty() ? mark(current, x0, moved)
+                                      : margins.mark_leaving(current.margin, current.x, x0, x1, moved);
+  broad_phase.find_swept(x0, x1, group_separation, pool, found, moved);
+  ++counters.swept_builds;
+  return &found;
+}
+
+std::span<const Vec3> CandidateSearch::Implementation::end_of_part(std::span<const Vec3> x0,
+                                                                   std::span<const Vec3> x1, double part) {
+  if (part == 1.0) return x1;
+  part_end.resize(x0.size());
+  pool.for_each_range(std::ssize(x0), kSitesPerTask, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) part_end[i] = x0[i] + (x1[i] - x0[i]) * part;
+  });
+  return part_end;
+}
+
+double CandidateSearch::max_safe_step(std::span<const Vec3> x0, std::span<const Vec3> x1,
+                                      const Separations& separations, const CcdSettings& settings,
+                                      CcdReport* out_report) {
   Implementation& self = *implementation_;
-  const Candidates& current = self.current;
-  if (self.covers(current, x1) && self.covers(current, x0)) return current.list;
-  const PhaseTimer::Scope scope(self.timer, Phase::BroadPhase);
-  self.counters.sites += current.x.empty()
-                             ? self.mark(current, x0, self.moved)
-                             : self.margins.mark_leaving(current.margin, current.x, x0, x1, self.moved);
-  self.broad_phase.find_swept(x0, x1, group_separation, self.pool, self.found, self.moved);
-  self.merge(current.list, self.found, self.moved, self.on_way);
-  ++self.counters.swept_builds;
-  return self.on_way;
+  CcdReport report;
+  stark::max_safe_step(mesh(), self.current.list, x0, x1, separations, self.pool, &report, settings);
+  // Most ways that end early end at pairs that were near before: others can only meet until that impact.
+  CcdSettings until = settings;
+  until.horizon = std::min(settings.horizon, report.step / (1.0 - settings.time_margin));
+  if (until.horizon > 0.0) {
+    const auto end = self.end_of_part(x0, x1, until.horizon);
+    if (const CandidateList* others = self.find_others(x0, end, separations.by_group)) {
+      CcdReport of_others;
+      stark::max_safe_step(mesh(), *others, x0, x1, separations, self.pool, &of_others, until);
+      if (of_others.step < report.step) report = of_others;
+    }
+  }
+  if (out_report != nullptr) *out_report = report;
+  return report.step;
 }
 
 }  // namespace stark

@@ -10,6 +10,7 @@
 #include <stark/base/thread_pool.h>
 #include <stark/base/timer.h>
 #include <stark/collision/candidates.h>
+#include <stark/collision/max_safe_step.h>
 #include <stark/contact/edge_ranges.h>
 
 namespace stark {
@@ -43,10 +44,10 @@ class CandidateSearch {
   const CandidateList& at_trial(std::span<const Vec3> x);
   /// The same as at() where x is the point of the last at_trial().
   const CandidateList& at_accepted_trial(std::span<const Vec3> x);
-  /// All pairs that come within the sum of their groups' separations [m] on the straight way from x0 to x1,
-  /// no more than their contact distances, and others.
-  const CandidateList& on_way(std::span<const Vec3> x0, std::span<const Vec3> x1,
-                              std::span<const double> group_separation);
+  /// Largest part of the straight way from x0 to x1 that leads no pair into its separation, which is no more
+  /// than its contact distance.
+  double max_safe_step(std::span<const Vec3> x0, std::span<const Vec3> x1, const Separations& separations,
+                       const CcdSettings& settings, CcdReport* out_report = nullptr);
 
   const ContactCounters& counters() const;
 

@@ -318,8 +318,7 @@ bool ContactPipeline::is_clear(std::span<const Vec3> x0, std::span<const Vec3> x
 
 double ContactPipeline::safe_fraction(std::span<const Vec3> x0, std::span<const Vec3> x1,
                                       const Separations& separations) {
-  const CandidateList& list = search_.on_way(x0, x1, separations.by_group);
-  return max_safe_step(mesh(), list, x0, x1, separations, pool_, &ccd_report_, {.is_bound = is_bound_});
+  return search_.max_safe_step(x0, x1, separations, {.is_bound = is_bound_}, &ccd_report_);
 }
 
 EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
