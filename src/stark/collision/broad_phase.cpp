@@ -92,6 +92,9 @@ void sort_bucket(PrimitivePair* begin, PrimitivePair* end) {
   }
 }
 
+// First ids for each pair up to which counting them is faster than sorting pairs: one is read in a row.
+constexpr size_t kIdsPerPair = 64;
+
 // Moves the pairs of one kind from all buffers to `out`, sorted by both ids: a counting sort by the first id
 // when there are many pairs, then small sorts by the second.
 void merge_sorted(const std::vector<PairBuffer>& buffers, PairKind kind, int32_t id_count,
@@ -100,7 +103,7 @@ void merge_sorted(const std::vector<PairBuffer>& buffers, PairKind kind, int32_t
   for (const PairBuffer& buffer : buffers) count += buffer.found[kind].size();
   out.resize(count);
   if (count == 0) return;
-  if (count < static_cast<size_t>(id_count) / 8) {
+  if (count < static_cast<size_t>(id_count) / kIdsPerPair) {
     size_t next = 0;
     for (const PairBuffer& buffer : buffers) {
       for (const PrimitivePair& pair : buffer.found[kind]) out[next++] = pair;

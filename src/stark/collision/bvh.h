@@ -151,6 +151,11 @@ class Bvh {
   int node_mask(int32_t node, const Extent& query) const;
   template <typename Extent>
   int near_mask(int32_t node, const Extent& query, const Slab& slab) const;
+  /// Whether the box of a leaf of a tree with levels above touches bounds.
+  template <typename Extent>
+  bool overlaps_leaf(const Tree& tree, int32_t leaf, const Extent& bounds) const {
+    return (node_mask(tree.level_begin[1] + leaf / kWidth, bounds) >> (leaf % kWidth) & 1) != 0;
+  }
   template <typename Extent>
   Slab cell_slab(const Cell& cell) const;
   bool is_large(const Cell& cell, const Box& box, const Tree& other) const;
@@ -275,6 +280,7 @@ void Bvh::run_task(Task& task, int thread, Body& body) {
       for (; hits != 0; hits &= hits - 1)
         body(thread, cells_a[k], cells_b[__builtin_ctz(static_cast<unsigned>(hits))], self);
     };
+    if (!self && a.level_count > 1 && !overlaps_leaf(a, leaf_a, bounds)) continue;
     Extent query = boxes[0] = cell_extent<Extent>(cells_a[0]);
     for (int k = 1; k < count_a; ++k) query = merge(query, boxes[k] = cell_extent<Extent>(cells_a[k]));
     if (!self && !query.overlaps(bounds)) continue;
