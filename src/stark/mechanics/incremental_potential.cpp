@@ -61,26 +61,30 @@ IncrementalPotential::IncrementalPotential(const KinematicMap& map, Assembler& a
       prescribed_points_.push_back(static_cast<int32_t>(p));
   x_.resize(map_.site_count());
   x_trial_.resize(map_.site_count());
+  x_target_.resize(map_.site_count());
+  resting_.assign(layout.body_block.size(), 0);
+  driven_sites_ = prescribed_sites_;
   block_positions_.resize(block_count());
 }
 
 void IncrementalPotential::begin(const Configuration& start, const Configuration& target) {
+  find_resting(start, target);
   start_ = start;
   iterate_ = start;
   trial_alpha_.reset();
   settled_.reset();
   target_ = target;
-  map_.positions(start, x_, &assembler_.pool());
+  map_.positions(start, x_, &assembler_.pool(), placed_);
+  if (placed_ != resting_) map_.positions(start, x_trial_, &assembler_.pool(), placed_);
   if (std::isfinite(motion_limit_)) x_start_ = x_;
-  std::vector<Vec3> x_target(map_.site_count());
-  map_.positions(target, x_target, &assembler_.pool());
+  if (!driven_sites_.empty()) map_.positions(target, x_target_, &assembler_.pool(), resting_);
   prescribed_start_.clear();
   prescribed_target_.clear();
   bool moves = false;
-  for (const int32_t site : prescribed_sites_) {
+  for (const int32_t site : driven_sites_) {
     prescribed_start_.push_back(x_[site]);
-    prescribed_target_.push_back(x_target[site]);
-    moves = moves || !(x_[site] == x_target[site]);
+    prescribed_target_.push_back(x_target_[site]);
+    moves = moves || !(x_[site] == x_target_[site]);
   }
   progress_ = moves ? 0.0 : 1.0;
   const DofLayout& layout = map_.layout();
@@ -91,9 +95,34 @@ void IncrementalPotential::begin(const Configuration& start, const Configuration
       if (block != kNoBlock) block_positions_[block] = start.body_position[b];
 }
 
+// Terrain has far more sites than what moves on it.
+void IncrementalPotential::find_resting(const Configuration& start, const Configuration& target) {
+  const DofLayout& layout = map_.layout();
+  const auto is_at_same_place = [](const Configuration& a, const Configuration& b, size_t body) {
+    return a.body_position[body] == b.body_position[body] && a.body_rotation[body] == b.body_rotation[body];
+  };
+  const std::vector<uint8_t> before = resting_;
+  placed_.assign(resting_.size(), 0);
+  for (size_t b = 0; b < resting_.size(); ++b) {
+    const bool is_prescribed = layout.body_block[b] == kNoBlock && layout.rotation_block[b] == kNoBlock;
+    resting_[b] = is_prescribed && is_at_same_place(start, target, b);
+    placed_[b] = resting_[b] != 0 && before[b] != 0 && is_at_same_place(start, start_, b);
+  }
+  if (resting_ != before) find_driven_sites();
+}
+
+void IncrementalPotential::find_driven_sites() {
+  driven_sites_.clear();
+  for (const int32_t i : prescribed_sites_) {
+    const Site& site = map_.site(i);
+    const bool is_of_body = site.kind == SiteKind::RigidPoint || site.kind == SiteKind::RigidDirection;
+    if (!is_of_body || !rests(site.index)) driven_sites_.push_back(i);
+  }
+}
+
 void IncrementalPotential::place_prescribed(double progress, std::span<Vec3> x) const {
-  for (size_t k = 0; k < prescribed_sites_.size(); ++k)
-    x[prescribed_sites_[k]] =
+  for (size_t k = 0; k < driven_sites_.size(); ++k)
+    x[driven_sites_[k]] =
         progress >= 1.0 ? prescribed_target_[k]
                         : prescribed_start_[k] + (prescribed_target_[k] - prescribed_start_[k]) * progress;
 }
@@ -118,8 +147,8 @@ void IncrementalPotential::linearize(bool project, std::span<double> out_gradien
   AssemblyOptions options{.project = project, .pending = {}, .pairs = ScatterPairs::All};
   if (has_pending_motion()) {
     pending_.assign(map_.site_count(), Vec3{});
-    for (size_t k = 0; k < prescribed_sites_.size(); ++k)
-      pending_[prescribed_sites_[k]] = prescribed_target_[k] - x_[prescribed_sites_[k]];
+    for (size_t k = 0; k < driven_sites_.size(); ++k)
+      pending_[driven_sites_[k]] = prescribed_target_[k] - x_[driven_sites_[k]];
     for (const int32_t i : embedded_sites_) {
       const SiteSupport s = map_.support(i);
       for (size_t k = 0; k < s.points.size(); ++k)
@@ -189,7 +218,7 @@ void IncrementalPotential::set_trial(std::span<const double> direction, double a
         trial_progress_ >= 1.0 ? target_.body_position[b]
                                : start_.body_position[b] +
                                      (target_.body_position[b] - start_.body_position[b]) * trial_progress_;
-  map_.positions(trial_, x_trial_, &assembler_.pool());
+  map_.positions(trial_, x_trial_, &assembler_.pool(), resting_);
   place_prescribed(trial_progress_, x_trial_);
 }
 
@@ -309,7 +338,7 @@ bool IncrementalPotential::restore_settled() {
   iterate_ = *settled_;
   trial_alpha_.reset();
   settled_.reset();
-  map_.positions(iterate_, x_);
+  map_.positions(iterate_, x_, nullptr, resting_);
   place_prescribed(1.0, x_);
   if (constraints_) constraints_->set_inputs(*settled_inputs_);
   if (active_set_) {

@@ -50,6 +50,10 @@ class IncrementalPotential final : public Objective {
 
   const Configuration& configuration() const { return iterate_; }
   std::span<const Vec3> site_positions() const { return x_; }
+  /// Whether nothing moves a body in this minimisation.
+  bool rests(int32_t body) const { return resting_[body] != 0; }
+  /// Sites that no unknown moves, ascending, without those of bodies that rest.
+  std::span<const int32_t> driven_sites() const { return driven_sites_; }
   /// Sites [m] at the end of a Newton step, which is shortened where it turns a body by more than
   /// `max_rotation` [rad]. The trial point moves there.
   std::vector<Vec3> positions_along(std::span<const double> direction, double max_rotation);
@@ -82,6 +86,8 @@ class IncrementalPotential final : public Objective {
   void set_trial(std::span<const double> direction, double alpha);
   double bound_rotation(std::span<const double> direction, double max_rotation, double longest) const;
   void place_prescribed(double progress, std::span<Vec3> x) const;
+  void find_resting(const Configuration& start, const Configuration& target);
+  void find_driven_sites();
 
   const KinematicMap& map_;
   Assembler& assembler_;
@@ -100,9 +106,12 @@ class IncrementalPotential final : public Objective {
   std::vector<Vec3> x_start_;  ///< of the minimisation, where motion is limited
   double motion_limit_ = std::numeric_limits<double>::infinity();
   std::vector<Vec3> prescribed_start_, prescribed_target_, pending_;
+  std::vector<Vec3> x_target_;  ///< where bodies rest and where nothing is prescribed, of any time [m]
   std::vector<int32_t> prescribed_sites_, prescribed_points_, embedded_sites_;
-  std::vector<int32_t> pinned_bodies_;  ///< prescribed translation, free rotation
-  std::vector<int32_t> lever_sites_;    ///< points on them that their rotation moves
+  std::vector<int32_t> driven_sites_;      ///< of prescribed_sites_, without those of bodies that rest
+  std::vector<uint8_t> resting_, placed_;  ///< by body: rests; and x_ and x_trial_ have its sites
+  std::vector<int32_t> pinned_bodies_;     ///< prescribed translation, free rotation
+  std::vector<int32_t> lever_sites_;       ///< points on them that their rotation moves
   std::vector<int32_t> rotation_blocks_;
   std::vector<Vec3> block_positions_;
   double progress_ = 1.0, trial_progress_ = 1.0;

@@ -66,11 +66,16 @@ void KinematicMap::follow(std::span<Vec3> by_point) const {
   for (const int32_t p : followers_) by_point[p] = point_sum(support(p), by_point);
 }
 
-void KinematicMap::positions(const Configuration& configuration, std::span<Vec3> out_x,
-                             ThreadPool* pool) const {
+void KinematicMap::positions(const Configuration& configuration, std::span<Vec3> out_x, ThreadPool* pool,
+                             std::span<const uint8_t> resting) const {
+  const auto rests = [&](const Run& run) {
+    const bool is_of_body = run.kind == SiteKind::RigidPoint || run.kind == SiteKind::RigidDirection;
+    return is_of_body && !resting.empty() && resting[run.index] != 0;
+  };
   const auto place_range = [&](int64_t begin, int64_t end) {
     auto run = std::ranges::upper_bound(runs_, begin, {}, &Run::begin) - 1;
     for (; run != runs_.end() && run->begin < end; ++run) {
+      if (rests(*run)) continue;
       Run part = *run;
       part.begin = std::max(run->begin, static_cast<int32_t>(begin));
       part.end = std::min(run->end, static_cast<int32_t>(end));

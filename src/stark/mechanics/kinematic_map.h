@@ -94,8 +94,10 @@ class KinematicMap {
   /// are positions, velocities or displacements by point.
   void follow(std::span<Vec3> by_point) const;
 
-  /// Positions of all sites [m]; prescribed ones included. pool: for many sites.
-  void positions(const Configuration& configuration, std::span<Vec3> out_x, ThreadPool* pool = nullptr) const;
+  /// Positions of all sites [m]; prescribed ones included. pool: for many sites. resting: by body, whether
+  /// out_x has the positions of its sites; empty where it has none.
+  void positions(const Configuration& configuration, std::span<Vec3> out_x, ThreadPool* pool = nullptr,
+                 std::span<const uint8_t> resting = {}) const;
 
   /// True when no unknown moves the site.
   bool is_prescribed(int32_t site) const { return prescribed_[site]; }

@@ -4,6 +4,7 @@
 // methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D. What internal
 // variables dissipate follows from the energy of the step alone [theory eq. 10c].
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include <stark/base/rotation.h>
@@ -96,7 +97,7 @@ StepLedger::StepLedger(const StepContext& context, const StepMotion& motion)
     if (are_axes(map, i)) axes_.push_back(i);
     const bool hangs_on_points = !map.support(i).points.empty();
     const bool is_carried = is_of_body && map.layout().body_block[site.index] == kNoBlock;
-    if (map.is_prescribed(i) || hangs_on_points || is_carried) driven_.push_back(i);
+    if (!map.is_prescribed(i) && (hangs_on_points || is_carried)) carried_.push_back(i);
   }
   for (int32_t k = 0; k < static_cast<int32_t>(scene_.energies().size()); ++k)
     energies_of_users_.push_back(model_.energy_batch(EnergyId{k}));
@@ -325,10 +326,13 @@ double StepLedger::prescribed_work() {
   // How much of the motion of sites was prescribed.
   std::vector<Vec3> body_motion(map.layout().body_block.size());
   for (const int32_t i : centres_) body_motion[map.site(i).index] = x[i] - step_start_[i];
-  std::vector<Vec3> motion(driven_.size());
+  // In the order of sites: those that nothing moves add nothing.
+  std::vector<int32_t> driven;
+  std::ranges::merge(potential_.driven_sites(), carried_, std::back_inserter(driven));
+  std::vector<Vec3> motion(driven.size());
   bool any = false;
-  for (size_t d = 0; d < driven_.size(); ++d) {
-    const int32_t i = driven_[d];
+  for (size_t d = 0; d < driven.size(); ++d) {
+    const int32_t i = driven[d];
     const Site& site = map.site(i);
     if (map.is_prescribed(i)) {
       motion[d] = x[i] - step_start_[i];
@@ -344,7 +348,7 @@ double StepLedger::prescribed_work() {
   if (!any) return 0.0;
   const std::vector<Vec3> gradient = site_gradient();
   double total = 0.0;
-  for (size_t d = 0; d < driven_.size(); ++d) total += dot(gradient[driven_[d]], motion[d]);
+  for (size_t d = 0; d < driven.size(); ++d) total += dot(gradient[driven[d]], motion[d]);
   return total;
 }
 

@@ -62,7 +62,7 @@ class StepLedger : private StepPart {
   std::vector<int32_t> energies_of_users_;                 ///< their batches
   std::vector<int32_t> timed_batches_, timed_quadrature_;  ///< whose energy depends on the time
   double work_of_time_ = 0.0;                              ///< of the step under way [J]
-  std::vector<int32_t> driven_;  ///< sites whose motion is prescribed, all of it or part
+  std::vector<int32_t> carried_;  ///< sites whose motion is prescribed in part, ascending
 };
 
 }  // namespace stark

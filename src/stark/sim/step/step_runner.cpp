@@ -383,7 +383,7 @@ bool StepRunner::is_faster_than_light(double h) const {
   const std::span<const Vec3> x = potential_.site_positions();
   const double limit = h * kSpeedOfLight;
   for (int32_t i = 0; i < map.site_count(); ++i)
-    if (squared_norm(x[i] - step_start_[i]) > limit * limit && !map.is_prescribed(i)) return true;
+    if (!map.is_prescribed(i) && squared_norm(x[i] - step_start_[i]) > limit * limit) return true;
   return false;
 }
 

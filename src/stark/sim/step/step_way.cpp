@@ -75,9 +75,11 @@ StepWay::StepWay(const StepContext& context, const StepMotion& motion, Prescribe
 bool StepWay::moved_far() const {
   const std::span<const Vec3> x = potential_.site_positions();
   double squared = 0.0;
-  for (const ModelBody& body : model_.bodies())
+  for (const ModelBody& body : model_.bodies()) {
+    if (is_rigid(body.kind) && potential_.rests(body.rigid_index)) continue;
     for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i)
       squared = std::max(squared, squared_norm(x[i] - step_start_[i]));
+  }
   const double motion = std::sqrt(squared);
   for (size_t k = 0; k < model_.bodies().size(); ++k) {
     const ModelBody& body = model_.bodies()[k];
