@@ -78,8 +78,7 @@ TEST_CASE("no pair is missed while parts of a scene move, at iterates, trial poi
         // What limits the way is what limits it among all pairs of a search for everything.
         CandidateList swept;
         bench.reference.find_swept(x, trial, none, bench.pool, swept);
-        const double step = max_safe_step(bench.builder.surface, search.on_way(x, trial, none), x, trial, 0.0,
-                                          bench.pool, nullptr);
+        const double step = search.max_safe_step(x, trial, {none}, {});
         CHECK(step == max_safe_step(bench.builder.surface, swept, x, trial, 0.0, bench.pool, nullptr));
         limited += step < 1.0;
         CHECK(includes(search.at_trial(trial), expected_trial));
@@ -130,8 +129,7 @@ TEST_CASE("pairs of edges that cannot act are left out of the lists, and none th
     CandidateList swept;
     bench.reference.find_swept(x, trial, separation, bench.pool, swept);
     const Separations kept{separation, {}};
-    const double step =
-        max_safe_step(mesh, search.on_way(x, trial, separation), x, trial, kept, bench.pool, nullptr);
+    const double step = search.max_safe_step(x, trial, kept, {});
     CHECK(step == max_safe_step(mesh, swept, x, trial, kept, bench.pool, nullptr));
     limited += step < 1.0;
     x = n % 10 == 9 ? bench.builder.x : trial;
@@ -173,11 +171,38 @@ TEST_CASE("what is on its way through empty space is looked for once in many ste
     const std::vector<Vec3> start = x;
     for (size_t v = 0; v < x.size(); ++v)
       if (bench.builder.surface.vertex_group[v] == 1) x[v].z -= 0.01;
-    search.on_way(start, x, none);
+    search.max_safe_step(start, x, {none}, {});
     search.at(x);
   }
   CHECK(search.counters().candidate_builds <= 2);
   CHECK(search.counters().swept_builds <= 1);
+}
+
+TEST_CASE(
+    "beyond what is near, collisions are looked for up to the first impact, of which the pair is named") {
+  Bench bench(false);
+  RandomPoints random(63);
+  CandidateSearch search(bench.builder.surface, bench.filter, bench.distance, bench.pool, bench.timer);
+  const std::vector<double> none(bench.distance.size(), 0.0);
+  const std::vector<Vec3> x = bench.builder.x;
+  search.at(x);
+  int near = 0, beyond = 0;
+  for (int n = 0; n < 400; ++n) {
+    std::vector<Vec3> trial = x;
+    bench.move(trial, random, 0.3);
+    CandidateList swept;
+    bench.reference.find_swept(x, trial, none, bench.pool, swept);
+    CcdReport expected, found;
+    max_safe_step(bench.builder.surface, swept, x, trial, 0.0, bench.pool, &expected);
+    const double of_near = max_safe_step(bench.builder.surface, search.at(x), x, trial, 0.0, bench.pool);
+    CHECK(search.max_safe_step(x, trial, {none}, {}, &found) == expected.step);
+    CHECK(found.kind == expected.kind);
+    CHECK(found.first == expected.first);
+    CHECK(found.second == expected.second);
+    if (of_near < 1.0) ++(of_near == expected.step ? near : beyond);
+  }
+  CHECK(near > 3);
+  CHECK(beyond > 3);
 }
 
 TEST_CASE("what comes near is found where a body is, not where it was when all was far") {
