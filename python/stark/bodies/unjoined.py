@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stark.bodies.cloth import Cloth
 from stark.bodies.solid import Solid
 from stark.mesh import EmbeddedMesh
+from stark.mesh.cleaning import connected
 from stark.selections import Points
 
 Ints = NDArray[np.int64]
@@ -65,21 +66,9 @@ def _vertices_at_others(body: Cloth | Solid) -> tuple[int, Ints]:
     later = later[~np.isin(later, body.pins)]
     if not len(later):
         return 0, none
-    part = _parts(len(vertices), body.triangles if isinstance(body, Cloth) else body._all_elements())
+    part = connected(len(vertices), body.triangles if isinstance(body, Cloth) else body._all_elements())
     near = np.abs(vertices[later] - vertices[earlier[later]]).max(axis=1) <= 2.0 * grid
     return int((near & (part[later] != part[earlier[later]])).sum()), part
-
-
-def _parts(count: int, elements: NDArray[Any]) -> Ints:
-    """The least vertex that each one (count,) is connected with by elements."""
-    labels = np.arange(count)
-    while True:  # as in mesh.cleaning.pieces
-        found = labels.copy()
-        np.minimum.at(found, elements.ravel(), np.repeat(labels[elements].min(axis=1), elements.shape[1]))
-        found = found[found]
-        if np.array_equal(found, labels):
-            return labels
-        labels = found
 
 
 def _joins(columns: Iterable[Any], body: Cloth | Solid, part: Ints) -> bool:

@@ -114,17 +114,23 @@ def _edges(triangles: Indices) -> tuple[Ints, Ints]:
 
 
 def pieces(triangles: Indices) -> Ints:
-    """Piece of each triangle (m,), from 0: triangles with a common edge are of one."""
+    """Piece of each triangle (m,), from 0 in the order of triangles: those with a common edge are of one."""
     edges, counts = _edges(triangles)
-    labels = np.arange(len(triangles))
-    while True:  # each pass spreads the least label along edges, then to the root: few passes are needed
-        least = np.full(len(counts), len(triangles))
-        np.minimum.at(least, edges.ravel(), np.repeat(labels, 3))
-        found = np.minimum(labels, least[edges].min(axis=1))
+    least_edge = connected(len(counts), edges)[edges[:, 0]]
+    _, first, piece = np.unique(least_edge, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(first))[piece.reshape(-1)].astype(np.int64)
+
+
+def connected(count: int, elements: NDArray[np.integer]) -> Ints:
+    """The least vertex of 0 to count - 1 that each one (count,) is connected with by ``elements`` (m, k)."""
+    labels = np.arange(count)
+    while True:  # each pass spreads the least label within elements, then to the root: few passes are needed
+        found = labels.copy()
+        np.minimum.at(found, elements.ravel(), np.repeat(labels[elements].min(axis=1), elements.shape[1]))
         np.minimum.at(found, labels, found.copy())
         found = found[found]
         if np.array_equal(found, labels):
-            return np.unique(labels, return_inverse=True)[1].astype(np.int64)
+            return labels
         labels = found
 
 

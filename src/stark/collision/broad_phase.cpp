@@ -92,7 +92,7 @@ void sort_bucket(PrimitivePair* begin, PrimitivePair* end) {
   }
 }
 
-// First ids for each pair up to which counting them is faster than sorting pairs: one is read in a row.
+// Counting first ids, which are read in a row, is faster than sorting pairs up to so many ids for each pair.
 constexpr size_t kIdsPerPair = 64;
 
 // Moves the pairs of one kind from all buffers to `out`, sorted by both ids: a counting sort by the first id

@@ -51,7 +51,7 @@ struct CandidateSearch::Implementation {
   std::shared_ptr<const EdgeRanges> edge_ranges{};
   std::vector<double> separation{};  ///< by group [m]
   CandidateList found{}, found_distant{};
-  std::vector<Vec3> part_end{};
+  std::vector<Vec3> part_end{};  ///< of the last end_of_part() [m]
   std::vector<uint8_t> moved{}, moved_in_trial{};
   ContactCounters counters{};
 
