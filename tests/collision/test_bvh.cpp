@@ -87,12 +87,7 @@ TEST_CASE("boxes in single precision contain the points far from the origin") {
   const std::vector<double> inflation = {0.0};
   bvh.refit(scene.x, inflation, pool);
   bvh.for_each_pair<Box>(PairFilter(1), pool, [](int, const Cell&, const Cell&, bool) {});
-  Vec3 low = scene.x[0], high = low;
-  for (const Vec3& p : scene.x) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  const Vec3 origin = (low + high) * 0.5;
+  const Vec3& origin = bvh.origin();
   for (int32_t v = 0; v < 500; ++v) {
     for (int axis = 0; axis < 3; ++axis) {
       const long double p = static_cast<long double>(scene.x[v][axis]) - origin[axis];
@@ -131,4 +126,57 @@ TEST_CASE("places that floats cannot reach are found together, and nothing else 
     ++moving;
   });
   CHECK(moving >= pairs);
+}
+
+TEST_CASE("the tree of a group that rests is kept, and finds what a new one finds") {
+  SceneBuilder scene;
+  scene.add_mesh(make_icosphere(1.0, 4));
+  scene.add_mesh(make_box({0.1, 0.1, 0.1}), {0.0, 0.0, 1.06});
+  std::vector<int32_t> ball;
+  for (int32_t v = 0; v < scene.surface.vertex_count; ++v)
+    if (scene.surface.vertex_group[v] == 0) ball.push_back(v);
+  scene.surface.frames = {find_frame(ball, scene.x), std::nullopt};
+  REQUIRE(scene.surface.frames[0].has_value());
+  const std::vector<double> inflation = {0.02, 0.02};
+  const PairFilter filter(2);
+  ThreadPool pool(1);
+  using Pairs = std::set<Index2>;
+  const auto find_pairs = [&]<typename Extent>(Bvh& bvh, std::span<const Vec3> x0, std::span<const Vec3> x1) {
+    if constexpr (std::is_same_v<Extent, Box>)
+      bvh.refit(x0, inflation, pool);
+    else
+      bvh.refit(x0, x1, inflation, pool);
+    Pairs pairs;
+    bvh.for_each_pair<Extent>(filter, pool, [&](int, const Cell& a, const Cell& b, bool) {
+      pairs.insert({std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle)});
+    });
+    return pairs;
+  };
+  Bvh bvh;
+  bvh.reset(scene.surface, 2);
+  size_t found = 0;
+  int32_t fitted_at_rest = 0, fitted_with_ball = 0;
+  for (int round = 0; round < 40; ++round) {
+    const bool moves_ball = round % 10 == 9;
+    std::vector<Vec3> end = scene.x;
+    for (size_t v = 0; v < end.size(); ++v)
+      if (scene.surface.vertex_group[v] == 1 || moves_ball) end[v] += Vec3{0.003, -0.002, 0.001};
+    const auto compare = [&]<typename Extent>() {
+      const Pairs pairs = find_pairs.operator()<Extent>(bvh, scene.x, end);
+      if (round > 0) (moves_ball ? fitted_with_ball : fitted_at_rest) += bvh.fitted();
+      Bvh fresh;
+      fresh.reset(scene.surface, 2);
+      const Pairs expected = find_pairs.operator()<Extent>(fresh, scene.x, end);
+      CHECK(std::ranges::includes(pairs, expected));
+      CHECK(pairs.size() <= expected.size() + 2);  // boxes of what rests are 1e-6 m larger
+      found += pairs.size();
+    };
+    compare.operator()<MovingBox>();
+    scene.x = end;
+    compare.operator()<Box>();
+  }
+  CHECK(found > 1000);
+  // Of the box, and of the ball where its last move ended.
+  CHECK(fitted_at_rest <= 2 * 36 + 2 * 3);
+  CHECK(fitted_with_ball == 4 * 4);
 }

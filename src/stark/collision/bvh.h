@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -69,6 +70,10 @@ class Bvh {
   void learn_clearances(ThreadPool& pool);
   /// How many pairs of groups the last for_each_pair has looked at.
   int32_t looked_at() const { return looked_at_; }
+  /// How many trees the last for_each_pair has fitted anew; that of a group with a frame that rests is kept.
+  int32_t fitted() const { return fitted_; }
+  /// What boxes are measured from [m].
+  const Vec3& origin() const { return origin_; }
 
   /// Of groups that the last for_each_pair has looked at.
   template <typename Extent>
@@ -91,6 +96,13 @@ class Bvh {
     int32_t level, node;  // level -1: cell
     Box box;
   };
+  // What the boxes of a group with a frame are of: they stay while nothing of it changes.
+  struct Fit {
+    std::array<Vec3, 4> sites{};  // of the frame, at the last refit [m]
+    Vec3 origin{};
+    double radius = -1.0;          // [m]; < 0: boxes are of another place
+    bool has_zero_motion = false;  // displacements of all boxes
+  };
   struct Tree {
     int32_t cell_begin = 0, cell_count = 0;  // cell_begin is a multiple of kWidth
     int32_t level_count = 0;                 // 0 for a group without primitives
@@ -101,6 +113,10 @@ class Bvh {
     bool is_fitted = false;                  // vertices and nodes are those of the last refit
     bool is_tight = true;                    // bounds are those of its points, not of its frame
     bool has_moved = true;                   // some of it
+    bool is_at_rest = false;                 // has a frame that stands where it stood, also on the way
+    int32_t moved_mask = kAll;               // of each of its nodes; -1 where they differ
+    double radius = 0.0;                     // by what its boxes are enlarged [m]
+    Fit fit{};                               // of a group with a frame
     MovingBox extent{};                      // of all of it
     Box bounds{};                            // of all its way
     Part root() const { return {level_count - 1, 0, extent.start}; }
@@ -123,11 +139,12 @@ class Bvh {
   void refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
              ThreadPool& pool, std::span<const uint8_t> moved, bool is_moving);
   void make_chunks();
+  void find_resting();
   void bound(Chunk& chunk) const;
   void bound_piece(const GroupFrame& frame, Chunk& chunk) const;
   void add_places(Chunk& chunk) const;
   void bound_groups();
-  void bound_group(Tree& tree, double inflation) const;
+  void bound_group(Tree& tree) const;
   void tighten(int32_t group);
   void set_precision();
   void note_motion();
@@ -136,9 +153,11 @@ class Bvh {
   void fit_vertices(const Chunk& chunk);
   void finish_fit(Tree& tree);
   /// By what boxes of the group are enlarged [m].
-  double radius(int32_t group) const { return inflation_[group] * (1.0 + 1e-12) + slack_; }
+  double find_radius(int32_t group) const;
+  bool is_kept(const Tree& tree) const;
   void refit_leaves(int64_t begin, int64_t end);
-  void mark_moved(const Tree& tree);
+  void mark_moved(int32_t group);
+  void mark_parts_moved(const Tree& tree);
   void refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) const;
   double leaf_size(const Tree& tree) const;
   void find_tasks(const PairFilter& filter);
@@ -175,14 +194,15 @@ class Bvh {
   std::span<const Vec3> x0_, x1_;      // of the last refit
   std::span<const double> inflation_;  // by group [m]
   Vec3 origin_{};
-  double slack_ = 0.0;  // rounding of boxes [m]
+  double slack_ = 0.0;        // rounding of boxes [m]
+  double swept_slack_ = 0.0;  // of boxes that move
   bool is_moving_ = false;
   float rounding_ = 0.0f;  // of sums of products with components of a normal [m]
   GroupClearances clearances_;
   std::vector<Vec3> clear_at_;                 // where vertices were when clearances were brought up to date
   std::vector<Bounds> from_clear_, to_clear_;  // displacements from there on a way, by group; empty at rest
   std::vector<Task> tasks_;
-  int32_t looked_at_ = 0;
+  int32_t looked_at_ = 0, fitted_ = 0;
   std::vector<int32_t> task_begin_;  // tasks of one unit of parallel work
   std::vector<int32_t> order_;       // groups along the sweep axis
   std::vector<float> lows_;          // where their bounds begin there, by group

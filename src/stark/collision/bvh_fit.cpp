@@ -16,6 +16,13 @@ constexpr double kRebuildGrowth = 2.0;
 
 constexpr int32_t kPointGrain = 4096;
 
+// The origin of boxes is a multiple of this part of a power of two above the size of all: what rests keeps
+// its boxes while other things move a little.
+constexpr double kOriginGrid = 0.125;
+
+// Boxes of what rests are enlarged by so many times the rounding of moving boxes, and kept up to so many.
+constexpr double kRoomyRounding = 8.0, kLoosestRounding = 64.0;
+
 // Boxes of what is farther away than floats reach end at the largest one: an infinite box would overlap the
 // empty slots of nodes.
 float bounded(float value) {
@@ -43,6 +50,14 @@ Box round_outward(const Bounds& bounds) {
 // Of what is within `bounds`, about the origin and enlarged by r.
 Box box_of(const Bounds& bounds, const Vec3& origin, double r) {
   return round_outward(enlarged({bounds.low - origin, bounds.high - origin}, r));
+}
+
+// The nearest point of a grid whose cells are a power of two from `least` [m] on.
+Vec3 round_to_grid(const Vec3& point, double least) {
+  const double cell = std::exp2(std::ceil(std::log2(least)));
+  if (!(cell > 0.0)) return point;
+  return {std::round(point.x / cell) * cell, std::round(point.y / cell) * cell,
+          std::round(point.z / cell) * cell};
 }
 
 void set_box(BoxNode& node, int k, const Box& box) {
@@ -101,18 +116,42 @@ void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<co
   is_moving_ = is_moving;
   moved_.assign(moved.begin(), moved.end());
   if (points_.empty()) return;
+  find_resting();
   pool.for_each_task(static_cast<int64_t>(chunks_.size()), [&](int64_t k, int) { bound(chunks_[k]); });
   set_precision();
   bound_groups();
   note_motion();
 }
 
+// The four sites of a frame tell whether its group is where it was: all others follow, up to rounding that
+// the boxes allow for.
+void Bvh::find_resting() {
+  for (int32_t g = 0; g < group_count(); ++g) {
+    const GroupFrame* frame = mesh_.frame_of(g);
+    if (frame == nullptr) continue;
+    Tree& tree = trees_[g];
+    bool stands = true, rests = true;
+    for (size_t k = 0; k < frame->sites.size(); ++k) {
+      const int32_t site = frame->sites[k];
+      stands &= tree.fit.sites[k] == x0_[site];
+      rests &= x1_[site] == x0_[site];
+      tree.fit.sites[k] = x0_[site];
+    }
+    if (!stands) {
+      tree.is_tight = false;
+      tree.fit.radius = -1.0;
+    }
+    tree.is_at_rest = is_moving_ ? rests : stands;
+  }
+}
+
 void Bvh::bound(Chunk& chunk) const {
-  chunk.place = chunk.motion = chunk.from_clear = chunk.to_clear = {};
+  chunk.motion = chunk.from_clear = chunk.to_clear = {};
   if (const GroupFrame* frame = mesh_.frame_of(chunk.group)) {
     bound_piece(*frame, chunk);
     return;
   }
+  chunk.place = {};
   chunk.has_moved = moved_.empty();
   const bool has_clearances = !clearances_.empty();
   for (int32_t k = chunk.begin; k < chunk.end; ++k) {
@@ -129,10 +168,12 @@ void Bvh::bound(Chunk& chunk) const {
 // Bounds of a frame are wider than those of its points. What has not moved gets these where they are needed.
 void Bvh::bound_piece(const GroupFrame& frame, Chunk& chunk) const {
   chunk.has_moved = moved_.empty() || moved_[frame.sites[0]] != 0;
-  if (chunk.has_moved)
-    add_places(chunk);
-  else
-    chunk.place = frame.bound(x0_);
+  if (!trees_[chunk.group].is_tight) {
+    if (chunk.has_moved)
+      add_places(chunk);
+    else
+      chunk.place = frame.bound(x0_);
+  }
   if (is_moving_) chunk.motion = frame.bound_motion(x0_, x1_);
   if (clearances_.empty()) return;
   chunk.from_clear = frame.bound_motion(clear_at_, x0_);
@@ -140,6 +181,7 @@ void Bvh::bound_piece(const GroupFrame& frame, Chunk& chunk) const {
 }
 
 void Bvh::add_places(Chunk& chunk) const {
+  chunk.place = {};
   for (int32_t k = chunk.begin; k < chunk.end; ++k) chunk.place.add(x0_[points_[k]]);
 }
 
@@ -147,11 +189,8 @@ void Bvh::tighten(int32_t group) {
   Tree& tree = trees_[group];
   if (tree.is_tight) return;
   tree.is_tight = true;
-  for (int32_t c = tree.chunk_begin; c < tree.chunk_end; ++c) {
-    chunks_[c].place = {};
-    add_places(chunks_[c]);
-  }
-  bound_group(tree, radius(group));
+  for (int32_t c = tree.chunk_begin; c < tree.chunk_end; ++c) add_places(chunks_[c]);
+  bound_group(tree);
 }
 
 // Where boxes are measured from, and what rounding adds to them.
@@ -163,14 +202,29 @@ void Bvh::set_precision() {
     if (is_moving_)
       largest_motion = std::max({largest_motion, max_abs(chunk.motion.low), max_abs(chunk.motion.high)});
   }
-  origin_ = (all.low + all.high) * 0.5;
+  origin_ = round_to_grid((all.low + all.high) * 0.5, kOriginGrid * max_abs(all.high - all.low));
   // Covers the rounding of the differences below, which is relative to the distance from the origin; of boxes
   // that move also that of the sums and differences in single precision, four for each pair.
-  double reach = max_abs(all.high - all.low);
+  double reach = 2.0 * std::max(max_abs(all.low - origin_), max_abs(all.high - origin_));
   slack_ = 1e-15 * reach;
-  for (const double r : inflation_) reach = std::max(reach, max_abs(all.high - all.low) + 2.0 * r);
-  if (is_moving_) slack_ += 0x1p-24 * (reach + 3.0 * largest_motion);
+  reach += 2.0 * std::ranges::max(inflation_);
+  swept_slack_ = slack_ + 0x1p-24 * (reach + 3.0 * largest_motion);
+  if (is_moving_) slack_ = swept_slack_;
   rounding_ = bounded(static_cast<float>(0x1p-20 * (reach + largest_motion)));
+}
+
+double Bvh::find_radius(int32_t group) const {
+  const Tree& tree = trees_[group];
+  const double inflation = inflation_[group] * (1.0 + 1e-12), least = inflation + slack_;
+  if (!tree.is_at_rest) return least;
+  const Fit& fit = tree.fit;
+  const double most = inflation + kLoosestRounding * swept_slack_;
+  return fit.radius >= least && fit.radius <= most ? fit.radius : inflation + kRoomyRounding * swept_slack_;
+}
+
+bool Bvh::is_kept(const Tree& tree) const {
+  return tree.is_at_rest && tree.fit.radius == tree.radius && tree.fit.origin == origin_ &&
+         (!is_moving_ || tree.fit.has_zero_motion);
 }
 
 void Bvh::bound_groups() {
@@ -179,15 +233,16 @@ void Bvh::bound_groups() {
     tree.is_fitted = false;
     tree.has_moved = moved_.empty();
     for (int32_t k = tree.chunk_begin; k < tree.chunk_end; ++k) tree.has_moved |= chunks_[k].has_moved;
-    tree.is_tight = tree.has_moved || mesh_.frame_of(g) == nullptr;
-    bound_group(tree, radius(g));
+    tree.is_tight |= tree.has_moved;
+    tree.radius = find_radius(g);
+    bound_group(tree);
   }
 }
 
-void Bvh::bound_group(Tree& tree, double inflation) const {
+void Bvh::bound_group(Tree& tree) const {
   tree.extent = {kEmptyBox, kEmptyBox};
   for (int32_t k = tree.chunk_begin; k < tree.chunk_end; ++k) {
-    tree.extent.start = merge(tree.extent.start, box_of(chunks_[k].place, origin_, inflation));
+    tree.extent.start = merge(tree.extent.start, box_of(chunks_[k].place, origin_, tree.radius));
     if (is_moving_) tree.extent.motion = merge(tree.extent.motion, round_outward(chunks_[k].motion));
   }
   tree.bounds = tree.extent.start;
@@ -225,13 +280,17 @@ void Bvh::note_places() {
 }
 
 void Bvh::fit_trees(ThreadPool& pool) {
-  std::vector<Tree*> trees;
+  std::vector<int32_t> groups;
+  std::vector<Tree*> trees;                         // those of them that are not kept
   std::vector<int32_t> vertices;                    // chunks of them
   std::vector<std::pair<int32_t, int32_t>> leaves;  // ranges
   for (const Task& task : tasks_) {
-    for (Tree* tree : {&trees_[task.a], &trees_[task.b]}) {
+    for (const int32_t group : {task.a, task.b}) {
+      Tree* tree = &trees_[group];
       if (tree->is_fitted) continue;
       tree->is_fitted = true;
+      groups.push_back(group);
+      if (is_kept(*tree)) continue;
       trees.push_back(tree);
       for (int32_t k = tree->chunk_begin; k < tree->chunk_end; ++k) vertices.push_back(k);
       constexpr int32_t kLeafGrain = 512;
@@ -240,6 +299,7 @@ void Bvh::fit_trees(ThreadPool& pool) {
                             tree->level_begin[0] + std::min(begin + kLeafGrain, tree->level_size[0]));
     }
   }
+  fitted_ = static_cast<int32_t>(trees.size());
   const auto for_each = [&](const auto& items, auto&& body) {
     pool.for_each_task(static_cast<int64_t>(items.size()), [&](int64_t k, int) { body(items[k]); });
   };
@@ -249,6 +309,7 @@ void Bvh::fit_trees(ThreadPool& pool) {
   });
   for_each(leaves, [&](const auto& range) { refit_leaves(range.first, range.second); });
   for_each(trees, [&](Tree* tree) { finish_fit(*tree); });
+  for_each(groups, [&](int32_t group) { mark_moved(group); });
 }
 
 void Bvh::finish_fit(Tree& tree) {
@@ -262,11 +323,13 @@ void Bvh::finish_fit(Tree& tree) {
   }
   refit_upper_levels(tree, nodes_);
   if (is_moving_) refit_upper_levels(tree, motion_nodes_);
-  mark_moved(tree);
+  tree.fit.origin = origin_;
+  tree.fit.radius = tree.radius;
+  if (is_moving_) tree.fit.has_zero_motion = tree.is_at_rest;
 }
 
 void Bvh::fit_vertices(const Chunk& chunk) {
-  const double r = radius(chunk.group);
+  const double r = trees_[chunk.group].radius;
   for (int32_t k = chunk.begin; k < chunk.end; ++k) {
     const int32_t v = points_[k];
     vertex_boxes_[v] = box_of({x0_[v], x0_[v]}, origin_, r);
@@ -314,7 +377,22 @@ void Bvh::refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) cons
   }
 }
 
-void Bvh::mark_moved(const Tree& tree) {
+// Most groups have moved as a whole or not at all, and often as at the last refit.
+void Bvh::mark_moved(int32_t group) {
+  Tree& tree = trees_[group];
+  const bool is_part = tree.has_moved && !moved_.empty() && mesh_.frame_of(group) == nullptr;
+  const int32_t mask = is_part ? -1 : tree.has_moved ? kAll : 0;
+  if (is_part) {
+    mark_parts_moved(tree);
+  } else if (mask != tree.moved_mask) {
+    for (int level = 0; level < tree.level_count; ++level)
+      std::fill_n(moved_nodes_.begin() + tree.level_begin[level], tree.level_size[level],
+                  static_cast<uint8_t>(mask));
+  }
+  tree.moved_mask = mask;
+}
+
+void Bvh::mark_parts_moved(const Tree& tree) {
   const auto has_moved = [&](const Cell& cell) {
     return moved_[cell.vertices[0]] | moved_[cell.vertices[1]] | moved_[cell.vertices[2]];
   };
@@ -322,8 +400,6 @@ void Bvh::mark_moved(const Tree& tree) {
     const int32_t count = level == 0 ? tree.cell_count : tree.level_size[level - 1];
     for (int32_t n = 0; n < tree.level_size[level]; ++n) {
       uint8_t& mask = moved_nodes_[tree.level_begin[level] + n];
-      mask = kAll;
-      if (moved_.empty()) continue;
       mask = 0;
       for (int32_t child = kWidth * n; child < std::min(kWidth * (n + 1), count); ++child) {
         const bool moved = level == 0 ? has_moved(cells_[tree.cell_begin + child]) != 0
