@@ -2,6 +2,9 @@
 // motion, step bounds, and prescribed parts that arrive exactly.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <map>
+
 #include <stark/mechanics/incremental_potential.h>
 #include <support/finite_differences.h>
 #include <support/mixed_scene.h>
@@ -16,7 +19,7 @@ class FakeActiveSet final : public ActiveSet {
  public:
   FakeActiveSet(const MixedScene& scene, const PotentialBatch* batch) : scene_(scene), batch_(batch) {}
 
-  void update(std::span<const Vec3> x) override { at_update_.assign(x.begin(), x.end()); }
+  void update(const SitePositions& x) override { at_update_.assign(x.all.begin(), x.all.end()); }
   std::vector<const PotentialBatch*> batches(Curvature) override { return {batch_}; }
   double max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) override {
     ++queries;
@@ -24,14 +27,16 @@ class FakeActiveSet final : public ActiveSet {
     for (size_t i = 0; i < x0.size(); ++i) longest = std::fmax(longest, norm(x1[i] - x0[i]));
     return longest <= allowed ? 1.0 : allowed / longest;
   }
-  EnergyDifference energy_difference(std::span<const Vec3> x) override {
-    return {energy(x) - energy(at_update_), energy(at_update_)};
+  EnergyDifference energy_difference(const SitePositions& x) override {
+    last_trial = x;
+    return {energy(x.all) - energy(at_update_), energy(at_update_)};
   }
-  double refresh_lagged(std::span<const Vec3>) override { return 4.0; }
+  double refresh_lagged(const SitePositions&) override { return 4.0; }
   void keep_lagged() override { ++kept; }
   void restore_lagged() override { ++restored; }
   int kept = 0, restored = 0;
 
+  SitePositions last_trial{std::span<const Vec3>{}};
   double allowed = 1e9;  ///< [m] largest motion of a site
   int queries = 0;
 
@@ -316,4 +321,46 @@ TEST_CASE("an iterate has run away where a site is beyond the limit of motion") 
   CHECK_FALSE(go());
   bench.potential.set_motion_limit(2.9);
   CHECK(go());
+}
+
+TEST_CASE("positions with the same number differ only where something moves") {
+  const MixedScene scene(11);
+  Bench bench(scene);
+  RandomPoints random(12);
+  Configuration start = scene.configuration;
+  std::map<uint64_t, std::vector<Vec3>> first;
+  std::vector<double> gradient(scene.dof_count());
+  BlockMatrix hessian;
+  int64_t again = 0;
+  const auto check = [&](const SitePositions& x) {
+    if (x.still == 0) return;
+    const auto [before, is_new] = first.try_emplace(x.still, x.all.begin(), x.all.end());
+    again += is_new ? 0 : 1;
+    for (int32_t i = 0; i < scene.map.site_count(); ++i) {
+      const bool moves = std::ranges::any_of(
+          x.moving, [&](const SiteRange& range) { return i >= range.begin && i < range.end; });
+      const Site& site = scene.map.site(i);
+      if (!moves) CHECK((site.kind != SiteKind::Point && site.index == 2));
+      if (!moves) CHECK(before->second[i] == x.all[i]);
+    }
+  };
+  for (const int kind : {0, 0, 1, 0, 0, 2, 0, 2, 2, 0, 1, 1, 0, 0}) {
+    Configuration target = kind == 1 ? moved_prescribed(scene) : start;
+    // Kind 2: somebody has placed the body elsewhere between two minimisations.
+    if (kind == 2) start.body_position[2] = target.body_position[2] = random.point();
+    bench.potential.begin(start, target);
+    check(bench.potential.known_positions());
+    bench.potential.linearize(false, gradient, hessian);
+    for (int k = 0; k < 3; ++k) {
+      std::vector<double> d(scene.dof_count());
+      for (double& v : d) v = 0.1 * random.uniform(-1.0, 1.0);
+      bench.potential.try_step(d, 1.0);
+      check(bench.active.last_trial);
+      bench.potential.accept_trial();
+      check(bench.potential.known_positions());
+    }
+    start = bench.potential.configuration();
+  }
+  CHECK(again > 40);
+  CHECK(first.size() > 3);
 }

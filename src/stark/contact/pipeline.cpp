@@ -116,8 +116,9 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
   friction_.set_moving_surfaces(MovingSurfaces(std::move(surfaces.moving)));
 }
 
-void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReference& reference,
+void ContactPipeline::begin_step(const SitePositions& positions, const VelocityReference& reference,
                                  ContactMemory memory) {
+  const std::span<const Vec3> x = positions.all;
   x_reference_.assign(reference.positions.begin(), reference.positions.end());
   duration_ = reference.duration;
   weight_ = reference.weight;
@@ -134,10 +135,10 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
   law_.begin_step(std::move(memory.load), restitution_.spent());
   geometry_.has_least_distance = is_bound_;
   forget_sets();
-  update(x);
+  update(positions);
   if (is_bound_ && lower_separations()) {
     forget_sets();
-    update(x);
+    update(positions);
   }
   if (!restitution_.batches().empty()) {
     restitution_.set_contacts(contacts(), forces(x), active_.energies());
@@ -176,9 +177,10 @@ bool ContactPipeline::lower_separations() {
   return true;
 }
 
-ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration,
+ContactMemory ContactPipeline::end_step(const SitePositions& positions, double duration,
                                         const RestitutionSet::End& motion) {
-  settle(x);
+  const std::span<const Vec3> x = positions.all;
+  settle(positions);
   std::vector<Vec3> all = forces(x);
   LoadMemory load = law_.end_step(contacts(), all, duration);
   RestitutionMemory restitution = restitution_.end_step(contacts(), all, x, motion);
@@ -273,10 +275,11 @@ void ContactPipeline::fill(const std::vector<Contact>& near, std::span<const Vec
   out.evaluate_energies(x);
 }
 
-void ContactPipeline::update(std::span<const Vec3> x) {
-  const bool is_here = x_active_.are(x, pool_);
+void ContactPipeline::update(const SitePositions& positions) {
+  const std::span<const Vec3> x = positions.all;
+  const bool is_here = x_active_.are(positions, pool_);
   if (is_active_ && is_here) return;
-  if (is_trial_ && x_trial_.are(x, pool_)) {
+  if (is_trial_ && x_trial_.are(positions, pool_)) {
     search_.at_accepted_trial(x);
     active_.swap(trial_);
     near_active_.swap(near_trial_);
@@ -285,7 +288,7 @@ void ContactPipeline::update(std::span<const Vec3> x) {
     const CandidateList& candidates = search_.at(x);
     if (!is_near_ || !is_here) find_contacts(geometry_, candidates, x, pool_, near_active_);
     fill(near_active_, x, active_);
-    x_active_.hold(x, pool_);
+    x_active_.hold(positions, pool_);
   }
   is_active_ = is_near_ = true;
   is_trial_ = false;
@@ -293,7 +296,7 @@ void ContactPipeline::update(std::span<const Vec3> x) {
   restitution_.remember(x);
 }
 
-void ContactPipeline::settle(std::span<const Vec3> x) {
+void ContactPipeline::settle(const SitePositions& x) {
   if (!x_active_.are(x, pool_)) update(x);
 }
 
@@ -321,10 +324,11 @@ double ContactPipeline::safe_fraction(std::span<const Vec3> x0, std::span<const 
   return search_.max_safe_step(x0, x1, separations, {.is_bound = is_bound_}, &ccd_report_);
 }
 
-EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
+EnergyDifference ContactPipeline::energy_difference(const SitePositions& positions) {
+  const std::span<const Vec3> x = positions.all;
   find_contacts(geometry_, search_.at_trial(x), x, pool_, near_trial_);
   fill(near_trial_, x, trial_);
-  x_trial_.hold(x, pool_);
+  x_trial_.hold(positions, pool_);
   is_trial_ = true;
   EnergyDifference total = stark::energy_difference(active_, trial_);
   for (const EnergyDifference& other : {friction_.energy_difference(x), restitution_.energy_difference(x)}) {
@@ -334,15 +338,16 @@ EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
   return total;
 }
 
-double ContactPipeline::refresh_lagged(std::span<const Vec3> x) {
+double ContactPipeline::refresh_lagged(const SitePositions& x) {
   if (!settings_.friction) return 0.0;
   update(x);
-  return freeze_friction(x);
+  return freeze_friction(x.all);
 }
 
-void ContactPipeline::refresh_early(std::span<const Vec3> x, Lagged lagged) {
+void ContactPipeline::refresh_early(const SitePositions& positions, Lagged lagged) {
   if (!settings_.friction) return;
-  update(x);
+  const std::span<const Vec3> x = positions.all;
+  update(positions);
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
   friction_.renew(contacts(), pushing_forces(contacts(), forces(x)), friction_coefficient_, x, lagged);
   friction_.remember(x);
@@ -459,7 +464,7 @@ double ContactPipeline::energy() const {
   return total / weight_;
 }
 
-Nearness ContactPipeline::nearness(std::span<const Vec3> x) {
+Nearness ContactPipeline::nearness(const SitePositions& x) {
   Nearness found;
   for (const Contact& contact : find_contacts_at(x)) {
     found.distance = std::min(found.distance, contact.distance);
@@ -471,8 +476,9 @@ Nearness ContactPipeline::nearness(std::span<const Vec3> x) {
   return found;
 }
 
-const std::vector<Contact>& ContactPipeline::find_contacts_at(std::span<const Vec3> x) {
-  if (is_found_ && x_found_.are(x, pool_)) return found_;
+const std::vector<Contact>& ContactPipeline::find_contacts_at(const SitePositions& positions) {
+  if (is_found_ && x_found_.are(positions, pool_)) return found_;
+  const std::span<const Vec3> x = positions.all;
   is_found_ = false;
   const CandidateList& candidates = search_.at(x);
   CloseBodies close = std::exchange(geometry_.close, {});
@@ -481,7 +487,7 @@ const std::vector<Contact>& ContactPipeline::find_contacts_at(std::span<const Ve
   std::vector<Contact> edges;
   find_contacts(geometry_, search_.distant_edges(), x, pool_, edges);
   found_.insert(found_.end(), edges.begin(), edges.end());
-  x_found_.hold(x, pool_);
+  x_found_.hold(positions, pool_);
   is_found_ = true;
   geometry_.close = std::move(close);
   geometry_.edge_ranges = std::move(ranges);

@@ -95,10 +95,10 @@ class ContactPipeline final : public ActiveSet {
     std::span<const Vec3> surface_velocity{}, surface_spin{};
   };
   /// Freezes areas and friction for a step that starts at site positions x.
-  void begin_step(std::span<const Vec3> x, const VelocityReference& reference, ContactMemory memory);
+  void begin_step(const SitePositions& x, const VelocityReference& reference, ContactMemory memory);
   /// Takes the end of a step at site positions x: contacts are those there. duration: see ContactLaw;
   /// motion: where has_restitution().
-  ContactMemory end_step(std::span<const Vec3> x, double duration = 1.0,
+  ContactMemory end_step(const SitePositions& x, double duration = 1.0,
                          const RestitutionSet::End& motion = {});
   bool has_restitution() const { return !restitution_.empty(); }
 
@@ -114,18 +114,18 @@ class ContactPipeline final : public ActiveSet {
   /// Limits, of all or between two bodies, that had not settled when contact.friction_updates were over.
   std::optional<LimitChange> unsettled_friction() const { return unsettled_friction_; }
 
-  void update(std::span<const Vec3> x) override;
+  void update(const SitePositions& x) override;
   /// The same, where the last update() was not at x.
-  void settle(std::span<const Vec3> x);
+  void settle(const SitePositions& x);
   std::vector<const PotentialBatch*> batches(Curvature curvature) override;
   /// Factor of the energies of batches(), 1 but with BDF2; forces and energies reported are without it.
   double weight() const { return weight_; }
   double max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) override;
   /// Whether no two primitives meet on the straight way of all sites from x0 to x1.
   bool is_clear(std::span<const Vec3> x0, std::span<const Vec3> x1);
-  EnergyDifference energy_difference(std::span<const Vec3> x) override;
-  double refresh_lagged(std::span<const Vec3> x) override;
-  void refresh_early(std::span<const Vec3> x, Lagged lagged) override;
+  EnergyDifference energy_difference(const SitePositions& x) override;
+  double refresh_lagged(const SitePositions& x) override;
+  void refresh_early(const SitePositions& x, Lagged lagged) override;
   void keep_lagged() override { friction_.keep(); }
   void restore_lagged() override {
     friction_.restore();
@@ -157,10 +157,10 @@ class ContactPipeline final : public ActiveSet {
   double restitution_work(std::span<const Vec3> x) const { return restitution_.work(x); }
   std::vector<const PotentialBatch*> restitution_batches() const { return restitution_.batches(); }
   /// How near surfaces are at x. The last update() was at x.
-  Nearness nearness(std::span<const Vec3> x);
+  Nearness nearness(const SitePositions& x);
   /// Contacts of all pairs of primitives within the contact distances of their bodies with sites at x,
   /// without their stiffness; the active ones stay as they are. Valid until the next call.
-  const std::vector<Contact>& find_contacts_at(std::span<const Vec3> x);
+  const std::vector<Contact>& find_contacts_at(const SitePositions& x);
   /// What a motion from x0 to x1 does to contact.
   struct Approach {
     bool hits = false;  ///< whether it leads through something

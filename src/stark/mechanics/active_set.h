@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <stark/mechanics/assembler.h>
+#include <stark/mechanics/site_positions.h>
 #include <stark/solve/objective.h>
 
 namespace stark {
@@ -20,7 +21,7 @@ class ActiveSet {
 
   /// Rebuilds the stencils active at site positions x and remembers their energies.
   /// batches' stencils changed.
-  virtual void update(std::span<const Vec3> x) = 0;
+  virtual void update(const SitePositions& x) = 0;
   /// Batches with energies of the active stencils, up to a constant, and their gradients at the last
   /// update(); valid until the next call of this or of update().
   virtual std::vector<const PotentialBatch*> batches(Curvature curvature) = 0;
@@ -31,12 +32,12 @@ class ActiveSet {
 
   /// Energies at x minus those at the last update(), pair by pair. x must be within the motion announced to
   /// max_step().
-  virtual EnergyDifference energy_difference(std::span<const Vec3> x) = 0;
+  virtual EnergyDifference energy_difference(const SitePositions& x) = 0;
 
   /// Refreshes lagged quantities at x; returns the change of force [N].
-  virtual double refresh_lagged(std::span<const Vec3> x) = 0;
+  virtual double refresh_lagged(const SitePositions& x) = 0;
   /// The same far from a solution: what is lagged is taken anew, however often.
-  virtual void refresh_early(std::span<const Vec3> x, Lagged lagged) {
+  virtual void refresh_early(const SitePositions& x, Lagged lagged) {
     static_cast<void>(x), static_cast<void>(lagged);
   }
   /// The lagged quantities before the last refresh belong to a solution that may be gone back to.

@@ -38,11 +38,12 @@ void add_block(BlockMatrix& hessian, int64_t slot, const Mat3& H) {
 }
 
 /// Adds gradients by sites to those by unknowns.
-void add_mapped(const KinematicMap& map, const Configuration& configuration, std::span<const Vec3> by_site,
+void add_mapped(const KinematicMap& map, const Configuration& configuration, const SiteSums& by_site,
                 std::span<double> out) {
-  for (int32_t i = 0; i < static_cast<int32_t>(by_site.size()); ++i)
-    if (by_site[i] != Vec3{} && !map.is_prescribed(i))  // of fine rigid meshes hardly any is pushed
-      add_mapped_gradient(map.jacobian(i, configuration), by_site[i], out);
+  by_site.for_each([&](int32_t i, const Vec3& gradient) {
+    if (gradient != Vec3{} && !map.is_prescribed(i))  // of fine rigid meshes hardly any is pushed
+      add_mapped_gradient(map.jacobian(i, configuration), gradient, out);
+  });
 }
 
 }  // namespace
@@ -158,7 +159,7 @@ void Assembler::assemble(const Configuration& configuration, std::span<const Vec
 
 void Assembler::assemble_gradient(const Configuration& configuration, std::span<const Vec3> x,
                                   std::span<double> out_gradient) {
-  site_gradient_.assign(x.size(), Vec3{});
+  site_gradient_.begin(x.size());
   for (StaticPlan& plan : static_plans_) {
     plan.batch->touch(x);
     add_site_gradients(*plan.batch, x, plan.energies.data());
@@ -173,6 +174,8 @@ void Assembler::add_site_gradients(const PotentialBatch& batch, std::span<const 
                                    double* out_energies) {
   const int points = batch.point_count();
   const int64_t outputs = batch.potential().kernel().output_count(Order::Gradient);
+  site_gradient_.use(batch.stencils());
+  const std::span<Vec3> gradient = site_gradient_.values();
   for (int64_t begin = 0; begin < batch.block_count(); begin += kWindowBlocks) {
     const int64_t end = std::min(begin + kWindowBlocks, batch.block_count());
     double* const lanes = buffer_.reserve((end - begin) * outputs * kLanes);
@@ -184,7 +187,7 @@ void Assembler::add_site_gradients(const PotentialBatch& batch, std::span<const 
                                 static_cast<int>(e % kLanes));
       const auto sites = batch.stencil(e);
       if (out_energies) out_energies[e] = element.energy();
-      for (int p = 0; p < points; ++p) site_gradient_[sites[p]] += element.point_gradient(p);
+      for (int p = 0; p < points; ++p) gradient[sites[p]] += element.point_gradient(p);
     }
   }
 }
@@ -324,12 +327,13 @@ void Assembler::add_low_rank(const PotentialBatch& batch, const Configuration& c
   std::vector<std::vector<double>> columns(m);
   std::vector<double> pending(m, 0.0);
   for (size_t k = 0; k < m; ++k) {
-    site_gradient_.assign(x.size(), Vec3{});
-    batch.add_total_gradient(static_cast<int>(k), x, site_gradient_);
+    site_gradient_.begin(x.size());
+    site_gradient_.use(batch.stencils());
+    batch.add_total_gradient(static_cast<int>(k), x, site_gradient_.values());
     columns[k].assign(gradient.size(), 0.0);
     add_mapped(map_, configuration, site_gradient_, columns[k]);
     for (size_t i = 0; i < options.pending.size(); ++i)
-      pending[k] += dot(site_gradient_[i], options.pending[i]);
+      pending[k] += dot(site_gradient_.values()[i], options.pending[i]);
   }
   for (size_t k = 0; k < m; ++k)
     for (size_t l = 0; l < m; ++l)

@@ -23,6 +23,7 @@
 #include <stark/mechanics/point_scatter.h>
 #include <stark/mechanics/potential_batch.h>
 #include <stark/mechanics/quadrature_plan.h>
+#include <stark/mechanics/site_sums.h>
 #include <stark/solve/low_rank.h>
 
 namespace stark {
@@ -114,7 +115,7 @@ class Assembler {
   std::vector<int32_t> blocks_;            ///< of one element
   std::vector<Vec3> extra_;                ///< of one element: gradient of pending motion
   AlignedVector<double> padded_gradient_;  ///< [block][4] of plain static batches
-  std::vector<Vec3> site_gradient_;        ///< [N] by site
+  SiteSums site_gradient_;                 ///< [N]
   LowRank low_rank_;
   SitePairs site_pairs_;           ///< of embedded sites, to be scattered at the end
   std::vector<Mat3> body_moment_;  ///< sum of g r^T per body

@@ -1,6 +1,7 @@
 #include <stark/mechanics/incremental_potential.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include <stark/base/error.h>
@@ -27,6 +28,11 @@ constexpr double kRoundingFactor = 4.0;
 /// is.
 constexpr double kReach = 2.0, kLargestTurn = 10.0;
 constexpr double kSafeFraction = 0.95;
+
+uint64_t next_number() {
+  static std::atomic<uint64_t> last{0};
+  return ++last;
+}
 
 }  // namespace
 
@@ -108,15 +114,25 @@ void IncrementalPotential::find_resting(const Configuration& start, const Config
     resting_[b] = is_prescribed && is_at_same_place(start, target, b);
     placed_[b] = resting_[b] != 0 && before[b] != 0 && is_at_same_place(start, start_, b);
   }
-  if (resting_ != before) find_driven_sites();
+  const bool is_known = resting_ == before;
+  if (!is_known) find_driven_sites();
+  if (!is_known || placed_ != resting_) still_ = next_number();
 }
 
 void IncrementalPotential::find_driven_sites() {
-  driven_sites_.clear();
-  for (const int32_t i : prescribed_sites_) {
+  const auto is_still = [&](int32_t i) {
     const Site& site = map_.site(i);
     const bool is_of_body = site.kind == SiteKind::RigidPoint || site.kind == SiteKind::RigidDirection;
-    if (!is_of_body || !rests(site.index)) driven_sites_.push_back(i);
+    return is_of_body && rests(site.index);
+  };
+  driven_sites_.clear();
+  for (const int32_t i : prescribed_sites_)
+    if (!is_still(i)) driven_sites_.push_back(i);
+  moving_sites_.clear();
+  for (int32_t i = 0; i < map_.site_count(); ++i) {
+    if (is_still(i)) continue;
+    if (moving_sites_.empty() || moving_sites_.back().end != i) moving_sites_.push_back({i, i});
+    moving_sites_.back().end = i + 1;
   }
 }
 
@@ -130,7 +146,7 @@ void IncrementalPotential::place_prescribed(double progress, std::span<Vec3> x) 
 void IncrementalPotential::update_active_set(Curvature curvature) {
   if (!active_set_) return;
   const PhaseTimer::Scope scope(timer_, Phase::ActiveSet);
-  active_set_->update(x_);
+  active_set_->update(known(x_));
   assembler_.set_dynamic_batches(active_set_->batches(curvature));
 }
 
@@ -269,7 +285,7 @@ TrialEnergy IncrementalPotential::try_step(std::span<const double> direction, do
   trial.difference = fixed.difference;
   trial.magnitude = fixed.magnitude;
   if (active_set_) {
-    const EnergyDifference active = active_set_->energy_difference(x_trial_);
+    const EnergyDifference active = active_set_->energy_difference(known(x_trial_));
     trial.contact = active.difference;
     trial.difference += active.difference;
     trial.magnitude += active.magnitude;
@@ -297,7 +313,7 @@ bool IncrementalPotential::take_back() {
   std::swap(iterate_, trial_);
   std::swap(x_, x_trial_);
   trial_alpha_.reset();
-  if (active_set_) active_set_->update(x_);
+  if (active_set_) active_set_->update(known(x_));
   return true;
 }
 
@@ -305,7 +321,8 @@ double IncrementalPotential::refresh_lagged(int round) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
   const ConstraintSet::Inputs inputs = constraints_ ? constraints_->inputs() : ConstraintSet::Inputs{};
   const double violation = update_constraints();
-  const double change = active_set_ && round < active_set_updates_ ? active_set_->refresh_lagged(x_) : 0.0;
+  const double change =
+      active_set_ && round < active_set_updates_ ? active_set_->refresh_lagged(known(x_)) : 0.0;
   // Joints that are within their tolerances are held enough if the updates beyond them lead nowhere.
   const bool is_held = violation == 0.0 || constraints_->worst(x_).ratio <= 1.0;
   const bool goes_on = active_set_ ? change > 0.0 && round > 0 : violation > 0.0;
@@ -330,7 +347,7 @@ SelfStress::End IncrementalPotential::end_constraints() const { return self_stre
 
 void IncrementalPotential::refresh_early(Lagged lagged) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
-  if (active_set_) active_set_->refresh_early(x_, lagged);
+  if (active_set_) active_set_->refresh_early(known(x_), lagged);
 }
 
 bool IncrementalPotential::restore_settled() {
@@ -343,7 +360,7 @@ bool IncrementalPotential::restore_settled() {
   if (constraints_) constraints_->set_inputs(*settled_inputs_);
   if (active_set_) {
     active_set_->restore_lagged();
-    active_set_->update(x_);
+    active_set_->update(known(x_));
   }
   return true;
 }

@@ -16,6 +16,7 @@
 #include <stark/mechanics/assembler.h>
 #include <stark/mechanics/constraint_set.h>
 #include <stark/mechanics/self_stress.h>
+#include <stark/mechanics/site_positions.h>
 #include <stark/solve/objective.h>
 
 namespace stark {
@@ -50,6 +51,8 @@ class IncrementalPotential final : public Objective {
 
   const Configuration& configuration() const { return iterate_; }
   std::span<const Vec3> site_positions() const { return x_; }
+  /// The same with those of bodies that rest in this minimisation.
+  SitePositions known_positions() const { return known(x_); }
   /// Whether nothing moves a body in this minimisation.
   bool rests(int32_t body) const { return resting_[body] != 0; }
   /// Sites that no unknown moves, ascending, without those of bodies that rest.
@@ -88,6 +91,7 @@ class IncrementalPotential final : public Objective {
   void place_prescribed(double progress, std::span<Vec3> x) const;
   void find_resting(const Configuration& start, const Configuration& target);
   void find_driven_sites();
+  SitePositions known(std::span<const Vec3> x) const { return {x, moving_sites_, still_}; }
 
   const KinematicMap& map_;
   Assembler& assembler_;
@@ -108,6 +112,8 @@ class IncrementalPotential final : public Objective {
   std::vector<Vec3> prescribed_start_, prescribed_target_, pending_;
   std::vector<Vec3> x_target_;  ///< where bodies rest and where nothing is prescribed, of any time [m]
   std::vector<int32_t> prescribed_sites_, prescribed_points_, embedded_sites_;
+  std::vector<SiteRange> moving_sites_;    ///< all but those of bodies that rest
+  uint64_t still_ = 0;                     ///< number of the positions of these, see SitePositions
   std::vector<int32_t> driven_sites_;      ///< of prescribed_sites_, without those of bodies that rest
   std::vector<uint8_t> resting_, placed_;  ///< by body: rests; and x_ and x_trial_ have its sites
   std::vector<int32_t> pinned_bodies_;     ///< prescribed translation, free rotation

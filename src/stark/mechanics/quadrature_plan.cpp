@@ -238,7 +238,9 @@ void QuadraturePlan::add_coupling(int64_t element, const double* law, int64_t fi
     }
 }
 
-void QuadraturePlan::add_site_gradients(ThreadPool& pool, std::span<const Vec3> x, std::span<Vec3> gradient) {
+void QuadraturePlan::add_site_gradients(ThreadPool& pool, std::span<const Vec3> x, SiteSums& sums) {
+  sums.use(batch_.stencils());
+  const std::span<Vec3> gradient = sums.values();
   const int outputs = batch_.output_count(Order::Gradient);
   const int nodes = batch_.node_count(), padded = batch_.padded_nodes(), points = batch_.points_per_element();
   AlignedVector<double> law(static_cast<size_t>(batch_.law().block_count()) * outputs * kLanes);

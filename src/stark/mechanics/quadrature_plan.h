@@ -13,6 +13,7 @@
 #include <stark/mechanics/element_scatter.h>
 #include <stark/mechanics/energy_difference.h>
 #include <stark/mechanics/quadrature_batch.h>
+#include <stark/mechanics/site_sums.h>
 
 namespace stark {
 
@@ -38,7 +39,7 @@ class QuadraturePlan {
   /// Adds all elements to the target and remembers their energies.
   void assemble(ThreadPool& pool, std::span<const Vec3> x, const Target& target);
   /// Adds the gradient by site and remembers the energies.
-  void add_site_gradients(ThreadPool& pool, std::span<const Vec3> x, std::span<Vec3> gradient);
+  void add_site_gradients(ThreadPool& pool, std::span<const Vec3> x, SiteSums& sums);
   /// Energies at x minus those at the last assemble().
   EnergyDifference energy_difference(ThreadPool& pool, std::span<const Vec3> x) const;
 

@@ -249,7 +249,7 @@ std::vector<Vec3> StepMotion::impulses_of(std::span<const PotentialBatch* const>
 StepMotion::Impulses StepMotion::contact_impulses() {
   Impulses impulses{std::vector<Vec3>(model_.map().layout().block_count), {}, {}};
   if (contact_) {
-    contact_->settle(potential_.site_positions());
+    contact_->settle(potential_.known_positions());
     impulses.contact = impulses_of(contact_->batches(Curvature::Exact));
     impulses.restitution = impulses_of(contact_->restitution_batches());
     for (size_t b = 0; b < impulses.contact.size(); ++b) impulses.contact[b] -= impulses.restitution[b];

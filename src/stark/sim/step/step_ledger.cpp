@@ -353,14 +353,13 @@ double StepLedger::prescribed_work() {
 }
 
 double StepLedger::friction_work(std::span<const Vec3> x) {
-  std::vector<Vec3> friction;  // empty where there is none
+  friction_.begin(x.size());
   for (const PotentialBatch* batch : contact_->friction_batches()) {
-    if (batch->size() == 0) continue;
-    friction.resize(x.size());
-    add_site_gradient(*batch, x, 1.0 / contact_->weight(), friction);
+    friction_.use(batch->stencils());
+    add_site_gradient(*batch, x, 1.0 / contact_->weight(), friction_.values());
   }
   double total = 0.0;
-  for (size_t i = 0; i < friction.size(); ++i) total += dot(friction[i], x[i] - step_start_[i]);
+  friction_.for_each([&](int32_t i, const Vec3& force) { total += dot(force, x[i] - step_start_[i]); });
   return total;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include <stark/mechanics/site_sums.h>
 #include <stark/sim/step/step_motion.h>
 #include <stark/sim/step/step_report.h>
 
@@ -63,6 +64,7 @@ class StepLedger : private StepPart {
   std::vector<int32_t> timed_batches_, timed_quadrature_;  ///< whose energy depends on the time
   double work_of_time_ = 0.0;                              ///< of the step under way [J]
   std::vector<int32_t> carried_;  ///< sites whose motion is prescribed in part, ascending
+  SiteSums friction_;             ///< of the last friction_work() [N]
 };
 
 }  // namespace stark

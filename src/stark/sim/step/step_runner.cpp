@@ -248,7 +248,7 @@ void StepRunner::add_caveat(Caveat caveat, const std::string& text) {
 }
 
 void StepRunner::report_nearness() {
-  const Nearness near = contact_->nearness(potential_.site_positions());
+  const Nearness near = contact_->nearness(potential_.known_positions());
   report_.min_distance = near.distance;
   if (!is_below_least_distance(near)) return;
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
@@ -327,7 +327,7 @@ bool StepRunner::attempt(double h, SolveReport& total) {
     // nowhere.
     const bool is_driven = potential_.has_pending_motion() || !model_.actuators().empty();
     contact_->set_bound(!goes_deep_ && (report_.rejected_steps > 0 || is_driven));
-    contact_->begin_step(potential_.site_positions(),
+    contact_->begin_step(potential_.known_positions(),
                          {.positions = motion_.reference().friction_sites,
                           .duration = motion_.reference().friction_duration,
                           .step = h,
@@ -351,7 +351,7 @@ bool StepRunner::attempt(double h, SolveReport& total) {
   newton_.set_way_check({});
   if (is_success(solved.status) && way_.leads_through_something(start)) solved.status = SolveStatus::Detour;
   if (is_success(solved.status) && goes_deep_ &&
-      is_below_least_distance(contact_->nearness(potential_.site_positions())))
+      is_below_least_distance(contact_->nearness(potential_.known_positions())))
     solved.status = SolveStatus::LineSearchFailed;
   if (is_success(solved.status)) {
     // Energies may be finite where flow is not, as of metal that is drawn out a hundredfold.
@@ -466,7 +466,7 @@ void StepRunner::commit_contact(double h) {
   const double duration = has_time ? h / kLoadTime : kQuasistaticLoad;
   RestitutionSet::End motion;
   if (contact_->has_restitution() && has_time) motion = motion_.restitution_end(h);
-  ContactMemory memory = contact_->end_step(potential_.site_positions(), duration, motion);
+  ContactMemory memory = contact_->end_step(potential_.known_positions(), duration, motion);
   state_.friction_pair = std::move(memory.friction.pair);
   state_.friction_deflection = std::move(memory.friction.deflection);
   state_.friction_force = std::move(memory.friction.force);
