@@ -1,6 +1,7 @@
 // Coulomb's law of a pair of surfaces.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 namespace stark {
@@ -18,6 +19,9 @@ struct FrictionCoefficient {
 
   bool is_anisotropic() const { return along != across; }
 };
+
+/// Of two surfaces with coefficients of their own: the geometric mean.
+inline double combined_friction(double a, double b) { return a == b ? a : std::sqrt(a * b); }
 
 /// Coefficients for sticking contact along and across the direction of a surface; sliding contact has the
 /// part `kinetic` of both.

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 #include <ranges>
+#include <unordered_map>
 
 #include <stark/base/error.h>
 #include <stark/geometry/face_levers.h>
@@ -276,6 +277,37 @@ void set_neighbours(const ModelBody& rod, std::span<const Vec3> rest, double con
 
 }  // namespace
 
+namespace {
+
+// Scenes have far more pairs of bodies than bodies: only what is said of a pair is looked up by pairs.
+PairFilter make_filter(const Scene& scene, const Settings& settings) {
+  const int32_t count = scene.body_count();
+  PairFilter filter(count);
+  std::vector<bool> is_dynamic(count);
+  for (int32_t a = 0; a < count; ++a) {
+    is_dynamic[a] = scene.motion(BodyId{a}) == Motion::Dynamic;
+    for (int32_t b = 0; b < a; ++b)
+      if (!is_dynamic[a] && !is_dynamic[b]) filter.set(a, b, false);
+    filter.set(a, a, settings.contact.self_contact && scene.contact_possible(BodyId{a}, BodyId{a}));
+  }
+  for (const auto& [a, b] : scene.pairs_without_contact()) filter.set(a, b, false);
+  return filter;
+}
+
+FrictionTable make_friction_table(const Scene& scene) {
+  std::vector<double> of_body;
+  for (int32_t b = 0; b < scene.body_count(); ++b) of_body.push_back(scene.surface_friction(BodyId{b}));
+  std::unordered_map<int64_t, FrictionCoefficient> of_pair;
+  for (const auto& [a, b] : scene.pairs_with_friction())
+    of_pair.emplace(group_code(a.index, b.index), scene.friction(a, b));
+  return [of_body, of_pair](int32_t a, int32_t b) -> FrictionCoefficient {
+    const auto own = of_pair.find(group_code(a, b));
+    return own != of_pair.end() ? own->second : combined_friction(of_body[a], of_body[b]);
+  };
+}
+
+}  // namespace
+
 ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& settings) const {
   ContactSurfaces surfaces;
   SurfaceMesh& mesh = surfaces.mesh;
@@ -303,23 +335,15 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
   // Each triangle a face of its own: nothing to choose from, in every search for contacts.
   const auto triangles = std::views::iota(int32_t{0}, static_cast<int32_t>(surfaces.face.size()));
   if (std::ranges::equal(surfaces.face, triangles)) surfaces.face.clear();
-  const int32_t groups = static_cast<int32_t>(bodies_.size());
-  surfaces.filter = PairFilter(groups);
-  for (int32_t a = 0; a < groups; ++a)
-    for (int32_t b = a; b < groups; ++b)
-      surfaces.filter.set(
-          a, b, scene.contact_possible(BodyId{a}, BodyId{b}) && (a != b || settings.contact.self_contact));
+  surfaces.filter = make_filter(scene, settings);
   for (size_t b = 0; b < bodies_.size(); ++b)
     if (has_nodes(bodies_[b].kind))
       set_neighbours(bodies_[b], rest_positions_, 2.0 * surfaces.group_distance[b], surfaces.filter);
   surfaces.rest_positions = rest_positions_;
-  std::vector<FrictionCoefficient> friction(static_cast<size_t>(groups) * groups);
-  for (int32_t a = 0; a < groups; ++a)
-    for (int32_t b = 0; b < groups; ++b) friction[a * groups + b] = scene.friction(BodyId{a}, BodyId{b});
   if (scene.has_anisotropic_friction()) surfaces.directions = make_directions(scene);
   if (scene.has_restitution()) surfaces.restitution = make_restitution(scene, settings);
   surfaces.moving = make_moving(scene);
-  surfaces.friction = [friction, groups](int32_t a, int32_t b) { return friction[a * groups + b]; };
+  surfaces.friction = make_friction_table(scene);
   return surfaces;
 }
 
@@ -345,9 +369,8 @@ RestitutionTable Model::make_restitution(const Scene& scene, const Settings& set
     const bool falls = is_rigid && map_.layout().body_block[body.rigid_index] != kNoBlock;
     table.gravity.push_back(falls ? settings.gravity : Vec3{});
     table.frame.push_back(is_rigid ? spanning_sites(body, rest_positions_) : std::array<int32_t, 3>{});
-    for (int32_t b = 0; b < a; ++b)
-      if (const auto e = scene.restitution(BodyId{a}, BodyId{b})) table.coefficient[group_code(a, b)] = *e;
   }
+  for (const auto& [pair, e] : scene.restitutions()) table.coefficient[group_code(pair.first, pair.second)] = e;
   return table;
 }
 

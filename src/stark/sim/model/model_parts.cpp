@@ -43,6 +43,11 @@ void append_mass(Hash64& hash, const RigidMass& mass) {
   hash.append(mass.angular_damping);
 }
 
+void append_pair(Hash64& hash, int32_t a, int32_t b) {
+  hash.append(a);
+  hash.append(b);
+}
+
 void append_friction(Hash64& hash, const FrictionCoefficient& coefficient) {
   hash.append(coefficient.sticking);
   hash.append(coefficient.sliding);
@@ -173,16 +178,19 @@ void Model::Builder::list_contact() {
     stiffness.append(scene.contact_stiffness(BodyId{a}).value_or(-1.0));
     cores.append(scene.contact_core(BodyId{a}));
     has_core = has_core || scene.contact_core(BodyId{a}) > 0.0;
-    for (int32_t b = 0; b <= a; ++b) {
-      append_friction(friction, scene.friction(BodyId{a}, BodyId{b}));
-      if (const auto e = scene.restitution(BodyId{a}, BodyId{b})) {
-        restitution.append(a);
-        restitution.append(b);
-        restitution.append(*e);
-      }
-      pairs.append(scene.contact_possible(BodyId{a}, BodyId{b}));
-    }
+    friction.append(scene.surface_friction(BodyId{a}));
+    pairs.append(scene.motion(BodyId{a}) == Motion::Dynamic);
+    pairs.append(scene.contact_possible(BodyId{a}, BodyId{a}));
   }
+  for (const auto& [a, b] : scene.pairs_with_friction()) {
+    append_pair(friction, a.index, b.index);
+    append_friction(friction, scene.friction(a, b));
+  }
+  for (const auto& [pair, coefficient] : scene.restitutions()) {
+    append_pair(restitution, pair.first, pair.second);
+    restitution.append(coefficient);
+  }
+  for (const auto& [a, b] : scene.pairs_without_contact()) append_pair(pairs, a, b);
   for (const JointDescription& joint : scene.joints()) pairs.append(joint.contact);
   for (const AttachmentDescription& attachment : scene.attachments()) {
     pairs.append(attachment.contact);

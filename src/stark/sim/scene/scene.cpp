@@ -86,6 +86,20 @@ void Scene::enable_contacts(const std::vector<BodyId>& a, const std::vector<Body
       if (i != j) enable_contact(i, j);
 }
 
+std::set<Scene::Pair> Scene::pairs_kept_apart() const {
+  std::set<Pair> pairs;
+  const auto add = [&](const auto& connections) {
+    for (const auto& connection : connections) {
+      if (connection.contact) continue;
+      const std::set<int32_t> bodies = connected_bodies(connection);
+      if (bodies.size() == 2) pairs.emplace(*bodies.begin(), *bodies.rbegin());
+    }
+  };
+  add(joints_);
+  add(attachments_);
+  return pairs;
+}
+
 bool Scene::contact_enabled(BodyId a, BodyId b) const {
   return contact_possible(a, b) && !is_kept_apart(a, b);
 }

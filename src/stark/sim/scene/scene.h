@@ -243,6 +243,7 @@ class Scene {
   /// integrator have it. Throws InvalidArgument for deformable bodies, whose materials decide.
   void set_restitution(BodyId a, BodyId b, double coefficient);
   std::optional<double> restitution(BodyId a, BodyId b) const;
+  const std::map<std::pair<int32_t, int32_t>, double>& restitutions() const { return restitution_; }
   bool has_restitution() const { return !restitution_.empty(); }
   /// Direction of the surface of a body: one vector, or one for each triangle, in the frame of the body. Its
   /// part in the plane of a triangle counts, not its length nor its sign, and it is carried along with the
@@ -261,6 +262,8 @@ class Scene {
   /// Throws InvalidArgument for anisotropic friction of bodies that both have no direction.
   void check_friction() const;
   bool has_anisotropic_friction() const;
+  /// Of a body with others that has no coefficient of the pair: its own, or default_friction().
+  double surface_friction(BodyId body) const { return body_friction(body).value_or(default_friction_); }
   /// Pairs that set_friction or set_anisotropic_friction gave coefficients of their own.
   std::vector<std::pair<BodyId, BodyId>> pairs_with_friction() const;
   /// Coefficient of bodies that were given none.
@@ -278,6 +281,11 @@ class Scene {
   /// Of each body of a with each other one of b.
   void disable_contacts(const std::vector<BodyId>& a, const std::vector<BodyId>& b);
   void enable_contacts(const std::vector<BodyId>& a, const std::vector<BodyId>& b);
+  /// Numbers of two bodies, ascending.
+  using Pair = std::pair<int32_t, int32_t>;
+  const std::set<Pair>& pairs_without_contact() const { return contact_disabled_; }
+  /// Those that joints and attachments without contact connect.
+  std::set<Pair> pairs_kept_apart() const;
   /// False for pairs that cannot touch, and for those of joints and attachments without contact.
   bool contact_enabled(BodyId a, BodyId b) const;
   /// False for disabled pairs, rigid bodies with themselves and pairs of bodies that are both fixed or
@@ -352,8 +360,6 @@ class Scene {
     BodyKind kind;
     int32_t index_in_kind;
   };
-  using Pair = std::pair<int32_t, int32_t>;
-
   size_t at_index(BodyId body) const;                       ///< throws for ids of another scene
   size_t body_of_kind(BodyId body, BodyKind wanted) const;  ///< index in its list; throws for other kinds
   const Body& at(BodyId body) const { return bodies_[at_index(body)]; }

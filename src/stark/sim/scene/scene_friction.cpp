@@ -82,9 +82,7 @@ FrictionCoefficient Scene::friction(BodyId a, BodyId b) const {
     coefficient.frame = has_surface_direction(other) ? other.index : -1;
     return coefficient;
   }
-  const double mu_a = body_friction(a).value_or(default_friction_),
-               mu_b = body_friction(b).value_or(default_friction_);
-  return mu_a == mu_b ? mu_a : std::sqrt(mu_a * mu_b);
+  return combined_friction(surface_friction(a), surface_friction(b));
 }
 
 void Scene::set_surface_directions(BodyId body, std::vector<Vec3> directions) {

@@ -2,9 +2,9 @@
 // one into or through another cannot be prevented: it is found out, and reported. Phase: end of a step.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <functional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -18,7 +18,7 @@ namespace stark {
 /// disabled. Bodies that touch do not meet: overlaps count from a millionth of the smaller body on.
 class PrescribedBodies {
  public:
-  using Pair = std::array<int32_t, 2>;
+  using Pair = Scene::Pair;
 
   PrescribedBodies() = default;
   /// `surface`: of all bodies, groups are their numbers.
@@ -53,32 +53,49 @@ class PrescribedBodies {
   };
 
  private:
-  /// What two bodies have between them.
+  struct Body {
+    int32_t number = 0;  ///< in the scene
+    bool is_scripted = false, is_filled = false;
+    std::vector<Index2> edges{};
+    std::vector<Index3> triangles{};
+    std::vector<int32_t> sites{}, inner{};  ///< sorted
+    // Of the last find_meetings():
+    Box place{}, way{};  ///< at the end; of the whole motion
+    bool rests = true;
+    double touch = 0.0;  ///< a millionth of its size [m]
+  };
+  /// What two bodies, as groups 0 and 1, have between them; its vertices are `sites`.
   struct Local {
-    SurfaceMesh mesh;
-    PairFilter filter;
-    Pair pair;
+    SurfaceMesh mesh{};
+    PairFilter filter{};
+    std::vector<int32_t> sites{};
+    bool has_both = false;
+    std::vector<Vec3> gather(std::span<const Vec3> x) const;
+  };
+  /// Positions of all sites at the ends of parts of the way, found where they are asked for.
+  struct Stations {
+    const Path& path;
+    std::vector<std::vector<Vec3>> x;
+    const std::vector<Vec3>& at(int k);
   };
 
-  PairFilter only(const Pair& pair) const;
-  /// Primitives of two bodies that come into a region on their way.
-  SurfaceMesh part_between(const Pair& pair, const Box& region, std::span<const Vec3> start,
-                           std::span<const Vec3> end) const;
-  /// Whether they intersect at x and no small motion parts them.
-  bool overlap(const Local& local, std::span<const Vec3> x, ThreadPool& pool) const;
-  /// Whether one is inside the other at x; their boxes are a and b.
-  bool contains(const Pair& pair, const Box& a, const Box& b, std::span<const Vec3> x,
-                ThreadPool& pool) const;
+  static bool meet(const Body& a, const Body& b, std::span<const Vec3> start, std::span<const Vec3> end,
+                   Stations& stations, ThreadPool& pool);
+  /// Primitives of two bodies that come into the region which their ways have in common.
+  static Local part_between(const Body& a, const Body& b, std::span<const Vec3> start,
+                            std::span<const Vec3> end);
+  template <typename IsWanted>
+  static Local make_local(const Body& a, const Body& b, IsWanted&& is_wanted);
+  /// Whether they intersect at the end, and no motion by `way` [m] parts them.
+  static bool overlap(const Local& local, std::span<const Vec3> end, double way, ThreadPool& pool);
+  /// Whether one is inside the other at x.
+  static bool contains(const Body& a, const Body& b, std::span<const Vec3> x, ThreadPool& pool);
   /// Whether they are apart at the start and collide on the way, but for its very end.
-  bool pass_through(const Local& local, std::span<const Vec3> start, std::span<const Vec3> end,
-                    const Path& path, ThreadPool& pool) const;
+  static bool pass_through(const Local& local, const std::vector<double>& touch, std::span<const Vec3> start,
+                           Stations& stations, ThreadPool& pool);
 
-  int32_t group_count_ = 0;
-  std::vector<Pair> pairs_;
-  std::vector<bool> is_filled_;              ///< by body
-  std::vector<std::vector<int32_t>> sites_;  ///< by body; none of those that are in no pair
-  std::vector<double> touch_;                ///< by body: a millionth of its size [m]
-  SurfaceMesh mesh_;                         ///< of the bodies in pairs
+  std::vector<Body> bodies_;  ///< fixed and scripted ones with surfaces; none where none is scripted
+  std::set<Pair> without_;    ///< without contact, or with a joint that keeps them from it
 };
 
 }  // namespace stark
