@@ -119,6 +119,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
 void ContactPipeline::begin_step(const SitePositions& positions, const VelocityReference& reference,
                                  ContactMemory memory) {
   const std::span<const Vec3> x = positions.all;
+  ++revision_;
   x_reference_.assign(reference.positions.begin(), reference.positions.end());
   duration_ = reference.duration;
   weight_ = reference.weight;
@@ -180,6 +181,7 @@ bool ContactPipeline::lower_separations() {
 ContactMemory ContactPipeline::end_step(const SitePositions& positions, double duration,
                                         const RestitutionSet::End& motion) {
   const std::span<const Vec3> x = positions.all;
+  ++revision_;
   settle(positions);
   std::vector<Vec3> all = forces(x);
   LoadMemory load = law_.end_step(contacts(), all, duration);
@@ -279,6 +281,7 @@ void ContactPipeline::update(const SitePositions& positions) {
   const std::span<const Vec3> x = positions.all;
   const bool is_here = x_active_.are(positions, pool_);
   if (is_active_ && is_here) return;
+  ++revision_;
   if (is_trial_ && x_trial_.are(positions, pool_)) {
     search_.at_accepted_trial(x);
     active_.swap(trial_);
@@ -347,6 +350,7 @@ double ContactPipeline::refresh_lagged(const SitePositions& x) {
 void ContactPipeline::refresh_early(const SitePositions& positions, Lagged lagged) {
   if (!settings_.friction) return;
   const std::span<const Vec3> x = positions.all;
+  ++revision_;
   update(positions);
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
   friction_.renew(contacts(), pushing_forces(contacts(), forces(x)), friction_coefficient_, x, lagged);
@@ -356,6 +360,7 @@ void ContactPipeline::refresh_early(const SitePositions& positions, Lagged lagge
 
 double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
+  ++revision_;
   const double change =
       friction_.reset(contacts(), pushing_forces(contacts(), forces(x)), friction_coefficient_, x);
   friction_.remember(x);

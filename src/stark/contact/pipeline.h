@@ -128,6 +128,7 @@ class ContactPipeline final : public ActiveSet {
   void refresh_early(const SitePositions& x, Lagged lagged) override;
   void keep_lagged() override { friction_.keep(); }
   void restore_lagged() override {
+    ++revision_;
     friction_.restore();
     forget_sets();
   }
@@ -142,6 +143,8 @@ class ContactPipeline final : public ActiveSet {
   /// Other pairs that may touch, from the next begin_step() on.
   void set_filter(PairFilter filter);
   const ContactCounters& counters() const { return search_.counters(); }
+  /// Another number, above 0, whenever what contact_forces() tells of may have changed.
+  uint64_t revision() const { return revision_; }
   /// The active contacts at x, where the last update() was.
   std::vector<ContactForce> contact_forces(std::span<const Vec3> x) const;
   /// Barrier energy of the active contacts [J].
@@ -220,6 +223,7 @@ class ContactPipeline final : public ActiveSet {
   HeldPositions x_active_, x_trial_;  ///< of the last update(), of the last energy_difference()
   /// Nothing but x decides what the next one gives; of is_near_ nothing but x and the names.
   bool is_active_ = false, is_trial_ = false, is_near_ = false;
+  uint64_t revision_ = 1;
   double duration_ = 0.0, weight_ = 1.0;
   double friction_residual_ = 0.0;
   std::optional<LimitChange> unsettled_friction_;

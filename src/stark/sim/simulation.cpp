@@ -75,6 +75,7 @@ Simulation::Simulation(const Scene& scene, const Settings& settings, const std::
     contact_ = std::make_unique<ContactPipeline>(
         std::move(surfaces), model_->contact_potentials(), settings_.contact,
         settings_.contact.stick_velocity * settings_.time.step, model_->map(), *pool_, *timer_);
+    contact_readings_ = std::make_unique<ContactReadings>();
     between();
     prescribed = PrescribedBodies(scene_, surface_mesh_);
     intersections_ = std::make_unique<IntersectionFinder>(surface_mesh_, scene_.body_count(), is_filled_);

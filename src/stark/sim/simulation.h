@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <stark/collision/intersection.h>
+#include <stark/sim/contact_readings.h>
 #include <stark/sim/model/energies.h>
 #include <stark/sim/model/internal_variables.h>
 #include <stark/sim/model/model.h>
@@ -226,7 +227,8 @@ class Simulation {
 
   /// The contacts of the last step: who touches whom where, forces and slip. Empty before the first step,
   /// after set_state() and without contact. Groups are indices of bodies, sites those of surface_mesh().
-  std::vector<ContactForce> contacts() const;
+  /// Valid until something changes.
+  const std::vector<ContactForce>& contacts() const;
   /// Sum of the contact forces on a body in the last step, friction included [N].
   Vec3 contact_force(BodyId body) const;
   /// The same on each vertex of a body [N].
@@ -294,6 +296,7 @@ class Simulation {
   void forget_last_step();
   double scene_size() const;  ///< [m] diagonal of a box around all bodies
   double checked_duration(const std::string& owner, std::optional<double> duration) const;
+  const ContactReadings::Found& contact_readings() const;
   const ModelBody& rigid(BodyId body, const char* what) const;
   const ModelBody& rod(BodyId body) const;
 
@@ -307,6 +310,7 @@ class Simulation {
   SurfaceMesh surface_mesh_;
   std::vector<bool> is_filled_;  ///< by body
   std::unique_ptr<ContactPipeline> contact_;
+  std::unique_ptr<ContactReadings> contact_readings_;  ///< null without contact
   std::unique_ptr<IntersectionFinder> intersections_;  ///< null without contact
   std::unique_ptr<Assembler> assembler_;
   std::unique_ptr<SelfStress> self_stress_;

@@ -8,9 +8,13 @@
 
 namespace stark {
 
-std::vector<ContactForce> Simulation::contacts() const {
-  if (!contact_ || step_start_.empty()) return {};
-  return contact_->contact_forces(site_positions());
+const ContactReadings::Found& Simulation::contact_readings() const {
+  return contact_readings_->get(state_, *contact_, scene_.body_count(), [&] { return site_positions(); });
+}
+
+const std::vector<ContactForce>& Simulation::contacts() const {
+  static const std::vector<ContactForce> none;
+  return contact_ && !step_start_.empty() ? contact_readings().contacts : none;
 }
 
 ClosestPoints Simulation::closest_points(BodyId a, BodyId b) {
@@ -27,7 +31,10 @@ ClosestPoints Simulation::closest_points(BodyId a, BodyId b) {
 Vec3 Simulation::contact_force(BodyId body) const {
   scene_.name(body);  // throws for ids of another scene
   Vec3 sum;
-  for (const ContactForce& entry : contacts()) {
+  if (contacts().empty()) return sum;
+  const ContactReadings::Found& found = contact_readings();
+  for (const int32_t c : found.of_body[body.index]) {
+    const ContactForce& entry = found.contacts[c];
     if (entry.contact.group_a == entry.contact.group_b) continue;  // its own, which cancel
     if (entry.contact.group_a == body.index) sum += entry.normal_force + entry.friction;
     if (entry.contact.group_b == body.index) sum -= entry.normal_force + entry.friction;
@@ -70,8 +77,10 @@ std::vector<Vec3> Simulation::vertex_contact_forces(BodyId body) const {
   scene_.name(body);
   const ModelBody& of = model().bodies()[body.index];
   std::vector<Vec3> forces(of.site_count);
-  const std::vector<Vec3> x = site_positions();
-  for (const ContactForce& entry : contacts()) {
+  if (contacts().empty()) return forces;
+  const ContactReadings::Found& found = contact_readings();
+  for (const int32_t c : found.of_body[body.index]) {
+    const ContactForce& entry = found.contacts[c];
     const Contact& contact = entry.contact;
     const bool is_beside = entry.friction_at.point_count > 0;
     for (int p = 0; p < contact.point_count; ++p) {
@@ -80,7 +89,7 @@ std::vector<Vec3> Simulation::vertex_contact_forces(BodyId body) const {
         forces[contact.sites[p] - of.first_site] +=
             (is_beside ? entry.normal_force : entry.normal_force + entry.friction) * contact.weights[p];
     }
-    if (is_beside) add_friction(model(), body.index, entry, x, forces);
+    if (is_beside) add_friction(model(), body.index, entry, found.x, forces);
   }
   return forces;
 }

@@ -370,7 +370,8 @@ RestitutionTable Model::make_restitution(const Scene& scene, const Settings& set
     table.gravity.push_back(falls ? settings.gravity : Vec3{});
     table.frame.push_back(is_rigid ? spanning_sites(body, rest_positions_) : std::array<int32_t, 3>{});
   }
-  for (const auto& [pair, e] : scene.restitutions()) table.coefficient[group_code(pair.first, pair.second)] = e;
+  for (const auto& [pair, e] : scene.restitutions())
+    table.coefficient[group_code(pair.first, pair.second)] = e;
   return table;
 }
 

@@ -196,8 +196,7 @@ bool PrescribedBodies::contains(const Body& a, const Body& b, std::span<const Ve
 }
 
 const std::vector<Vec3>& PrescribedBodies::Stations::at(int k) {
-  while (static_cast<int>(x.size()) < k)
-    x.push_back(path(static_cast<double>(x.size() + 1) / kStations));
+  while (static_cast<int>(x.size()) < k) x.push_back(path(static_cast<double>(x.size() + 1) / kStations));
   return x[k - 1];
 }
 
