@@ -20,6 +20,10 @@ from .shots import Shot
 
 _MISSING = "VTKHDF needs the package h5py of the extra 'export': pip install 'stark-sim[export]'"
 _CELLS = ("Vertices", "Lines", "Polygons", "Strips")
+#: Rows are written so many bytes at a time: each write of one has a cost of its own.
+_HELD = 1 << 20
+#: Of a dataset in one piece [bytes].
+_CHUNK = 1 << 16
 
 
 class _Patient(io.FileIO):
@@ -67,6 +71,8 @@ class VtkHdfWriter:
             self._file: Any = h5py.File(self._raw, "w")
         self._root: Any = self._file.create_group("VTKHDF")
         self._count = 0
+        self._rows: dict[str, list[Any]] = {}  # to be written, by dataset
+        self._held = 0  # their bytes
 
     def add(self, shot: Shot) -> None:
         """Appends points and fields."""
@@ -95,13 +101,16 @@ class VtkHdfWriter:
             ):
                 self._append(f"Steps/{name}", value)
             self._count += 1
-            self._root["Steps"].attrs["NSteps"] = self._count
+            if self._held >= _HELD:
+                self._write()
             self._raw.check()
 
     def finish(self) -> list[Path]:
         """Moves the file into place."""
         try:
             with naming(self._path):
+                self._write()
+                self._root["Steps"].attrs["NSteps"] = self._count
                 self._file.close()
                 self._raw.check()
                 self._raw.close()
@@ -134,9 +143,20 @@ class VtkHdfWriter:
     def _append(self, name: str, value: Any) -> None:
         """Adds rows to a dataset that grows; a number is a row."""
         rows = np.atleast_1d(np.asarray(value))
-        if name not in self._root:
-            self._root.create_dataset(name, data=rows, maxshape=(None, *rows.shape[1:]), chunks=True)
-            return
-        data = self._root[name]
-        data.resize(len(data) + len(rows), axis=0)
-        data[-len(rows) :] = rows
+        self._rows.setdefault(name, []).append(rows)
+        self._held += rows.nbytes
+
+    def _write(self) -> None:
+        """Writes what was added since the last time."""
+        for name, parts in self._rows.items():
+            rows = np.concatenate(parts)
+            if name not in self._root:
+                width = rows.shape[1:]
+                most = max(1, _CHUNK // max(1, rows[:1].nbytes))
+                chunks = (min(most, max(256, len(rows))), *width)
+                self._root.create_dataset(name, data=rows, maxshape=(None, *width), chunks=chunks)
+                continue
+            data = self._root[name]
+            data.resize(len(data) + len(rows), axis=0)
+            data[-len(rows) :] = rows
+        self._rows, self._held = {}, 0

@@ -50,6 +50,23 @@ def test_a_file_holds_points_triangles_and_fields(tmp_path: Path) -> None:
         assert root["CellData/body"][:].max() == 2
 
 
+def test_many_times_are_written_in_few_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from stark.exports.vtkhdf import VtkHdfWriter
+
+    writes: list[int] = []
+    write_rows = VtkHdfWriter._write
+    monkeypatch.setattr(VtkHdfWriter, "_write", lambda self: (writes.append(self._held), write_rows(self)))
+    sim = falling()
+    with stark.exports.Exporter(tmp_path / "fall.vtkhdf", sim, fields=("speed",)) as out:
+        for _ in range(20):
+            out.record(sim)
+            sim.step()
+    assert len(writes) == 1 and writes[0] > 0
+    with h5py.File(tmp_path / "fall.vtkhdf") as file:
+        assert len(file["VTKHDF/Steps/Values"]) == 20 and file["VTKHDF/Steps/Values"].chunks == (256,)
+        assert file["VTKHDF/Points"].chunks[1] == 3  # a row is in one piece
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".vtkhdf", ".pvd"])
 def test_vtk_reads_every_time(tmp_path: Path, suffix: str) -> None:
