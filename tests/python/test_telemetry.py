@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +39,21 @@ def test_telemetry_is_a_dictionary_of_copies(tmp_path: Path) -> None:
             TelemetryError, match=r"must be the name of a series, such as telemetry\['time'\]"
         ):
             telemetry[wrong]  # type: ignore[index]
+
+
+def test_all_series_are_read_in_one_pass_each() -> None:
+    class Rows(list[dict[str, object]]):
+        passes = 0
+
+        def __iter__(self) -> Iterator[dict[str, object]]:
+            self.passes += 1
+            return super().__iter__()
+
+    rows = Rows({"time": 0.1 * k, "energy": {"kinetic": k, "elastic": 1.0}} for k in range(5))
+    telemetry = Telemetry(rows)
+    assert len(dict(telemetry)) == 3 and rows.passes <= 4  # one for the names
+    rows.append({"time": 0.5, "wall": 1.0})
+    assert "wall" in telemetry and np.isnan(Telemetry(rows)["wall"][:5]).all()
 
 
 def test_telemetry_lines_are_standard_json(tmp_path: Path) -> None:

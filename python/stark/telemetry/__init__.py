@@ -229,6 +229,7 @@ class Telemetry:
     def __init__(self, rows: list[dict[str, Any]]) -> None:
         self.rows = rows
         self._columns: dict[str, np.ndarray] = {}
+        self._names: tuple[int, dict[str, None]] = 0, {}  # of so many rows
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], *, tolerate_cut_line: bool = False) -> Telemetry:
@@ -255,14 +256,22 @@ class Telemetry:
     @property
     def names(self) -> list[str]:
         """Names of all numeric series, in order of appearance; groups are flattened to ``group.name``."""
-        names: dict[str, None] = {}
+        return list(self._known_names())
+
+    def _known_names(self) -> dict[str, None]:
+        """Found once: all rows are gone through, and each column asks for them."""
+        count, names = self._names
+        if count == len(self.rows):
+            return names
+        names = {}
         for row in self.rows:
             for key, value in row.items():
                 if isinstance(value, dict):
                     names.update({f"{key}.{inner}": None for inner in value})
                 elif not isinstance(value, (str, list)):
                     names[key] = None
-        return list(names)
+        self._names = len(self.rows), names
+        return names
 
     def keys(self) -> list[str]:
         """As ``names``: ``dict(telemetry)`` has all series, for ``pandas.DataFrame``."""
@@ -272,7 +281,7 @@ class Telemetry:
         return iter(self.names)
 
     def __contains__(self, name: object) -> bool:
-        return name in self.names
+        return isinstance(name, str) and name in self._known_names()
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Column of shape (steps,), float64, NaN where a step has no value; a copy."""
@@ -282,6 +291,8 @@ class Telemetry:
                 "array with one value a step"
             )
         if name not in self._columns:
+            if self.rows and name not in self._known_names():
+                raise KeyError(f"no series '{name}'; there are: {', '.join(self.names)}")
             group, _, inner = name.partition(".")
             values = []
             for row in self.rows:
@@ -289,8 +300,6 @@ class Telemetry:
                 if isinstance(value, dict):
                     value = value.get(inner)
                 values.append(_number(value))
-            if self.rows and name not in self.names:
-                raise KeyError(f"no series '{name}'; there are: {', '.join(self.names)}")
             self._columns[name] = np.array(values, dtype=np.float64)
         return self._columns[name].copy()
 
