@@ -3,6 +3,7 @@ nothing reads, and errors say what was probably meant."""
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from types import FunctionType
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -60,9 +61,15 @@ class KnownAttributes:
 def _unknown(owner: object, name: str, elsewhere: Mapping[str, str]) -> str:
     if name in elsewhere:
         return f"{owner!r} has no attribute '{name}': write {elsewhere[name]}"
-    near = nearest(name, [other for other in dir(type(owner)) if not other.startswith("_")])
+    cls: Any = type(owner)
+    near = _nearest_attribute(cls, name)
     hint = f"; did you mean '{near}'?" if near else ""
     return f"{owner!r} has no attribute '{name}'{hint}"
+
+
+@functools.lru_cache(maxsize=256)  # getattr(body, "color", None) of every body of every frame throws it away
+def _nearest_attribute(cls: type, name: str) -> str:
+    return nearest(name, [other for other in dir(cls) if not other.startswith("_")])
 
 
 def answer_attributes(cls: type, elsewhere: Mapping[str, str]) -> None:

@@ -2,13 +2,87 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from stark.mesh import Indices, Mesh, Polyline
-from stark.mesh.face_shapes import face_shares, uncut_faces
+from stark.mesh.face_shapes import cut_faces, face_shares, uncut_faces
 
 Floats = NDArray[np.float64]
+
+
+def pressures_of(bodies: Sequence[Any], contacts: Any) -> list[Floats]:
+    """``body.contact_pressure()`` of each of the bodies with triangles of a simulation, whose ``contacts``
+    these are: together, since a call for each goes through all contacts."""
+    both = contacts._both_sides()
+    begins = np.searchsorted(both.bodies[:, 0], np.arange(len(contacts.names) + 1))
+    results = [np.zeros(len(body.positions)) for body in bodies]
+    offsets = np.full(len(contacts.names), -1)  # in the rows of all that touch, by body
+    together: list[int] = []
+    x, triangles, patches, count = [], [], [], 0
+    for k, body in enumerate(bodies):
+        mine = slice(*begins[body._index : body._index + 2])
+        if mine.start == mine.stop:
+            continue
+        if cut_faces(body.mesh) is not None:
+            results[k] = body._pressure_of(both._take(mine))
+            continue
+        if len(body._inner_vertices()) > 0:
+            patches += [count + patch for patch in body._flat_patches(both._take(mine))]
+        together.append(k)
+        offsets[body._index] = count
+        x.append(body.positions)
+        triangles.append(body.triangles + count)
+        count += len(x[-1])
+    if not together:
+        return results
+    rows = both._take(offsets[both.bodies[:, 0]] >= 0)
+    rows = replace(rows, vertices=rows.vertices + offsets[rows.bodies[:, :1]])
+    pressure = pressure_on(np.concatenate(x), np.concatenate(triangles), rows, patches)
+    for k, own in zip(together, np.split(pressure, np.cumsum([len(one) for one in x])[:-1]), strict=True):
+        results[k] = own
+    return results
+
+
+def pressure_on(
+    x: Floats,
+    triangles: Indices,
+    contacts: Any,
+    patches: Sequence[Indices],
+    mesh: Mesh | Polyline | None = None,
+) -> Floats:
+    """At vertices (n, 3), of the contacts of a surface that is the first of each pair; its flat patches have
+    their mean. ``mesh``: what it is the surface of, whose faces may be cut into triangles."""
+    forces = np.linalg.norm(contacts._spread(contacts.normal_forces, len(x)), axis=1)
+    touching = touched(contacts, patches, triangles, len(x))
+    shares = VertexShares(mesh, triangles, areas_of(x, triangles), touching, len(x))
+    pressure = shares.pressure(forces)
+    for patch in patches:
+        pressure[patch] = shares.mean_pressure(forces, patch)
+    return pressure
+
+
+def touched(contacts: Any, patches: Sequence[Indices], triangles: Indices, count: int) -> NDArray[np.bool_]:
+    """Triangles, of so many vertices, all of whose vertices are in contact as points, not as corners of a
+    face that is touched, or in a flat patch."""
+    vertex = np.zeros(count, dtype=bool)
+    for k in range(4):
+        mine = (contacts.first_counts > k) & (contacts.weights[:, k] > 1.0 - 1e-9)
+        vertex[contacts.vertices[mine, k]] = True
+    for patch in patches:
+        vertex[patch] = True
+    return np.asarray(vertex[triangles].all(axis=1))
+
+
+def areas_of(x: Floats, triangles: Indices) -> Floats:
+    """Of triangles (m,), with vertices at x (n, 3)."""
+    a, b, c = (x[corners] for corners in triangles.T)
+    areas: Floats = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return areas
 
 
 class VertexShares:
@@ -18,14 +92,15 @@ class VertexShares:
 
     def __init__(
         self,
-        mesh: Mesh | Polyline,
+        mesh: Mesh | Polyline | None,
         triangles: Indices,
         triangle_areas: Floats,
         touching: NDArray[np.bool_],
         count: int,
     ) -> None:
-        """Of a surface of so many vertices; triangle_areas (m,) [m^2]; touching (m,): which triangles do."""
-        faces = uncut_faces(mesh, triangles)
+        """Of a surface of so many vertices, that of a mesh if its faces may be cut; triangle_areas (m,)
+        [m^2]; touching (m,): which triangles do."""
+        faces = None if mesh is None else uncut_faces(mesh, triangles)
         self._faces = triangles if faces is None else faces
         shares = np.full(3, 1.0 / 3.0) if faces is None else face_shares(faces.shape[1])
         touch = np.asarray(touching.reshape(len(self._faces), -1).all(axis=1))

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.bodies.contact_pressures import VertexShares
+from stark.bodies.contact_pressures import areas_of, pressure_on, touched
 from stark.handle import BodyHandle, SceneLink, SimulationLink, names_of
 from stark.readings import reading
 from stark.rotations import as_matrix, vector
@@ -79,6 +79,14 @@ class Contacts:
         rows = {c: np.concatenate([getattr(kept, c), getattr(flipped, c)]) for c in _COLUMNS}
         return Contacts(names=self.names, scene=self.scene, **rows)
 
+    def _both_sides(self) -> Contacts:
+        """Each pair twice, with either body as the first, sorted by these: what ``of()`` has of each body is
+        one piece."""
+        turned = self._turned()
+        order = np.argsort(np.concatenate([self.bodies[:, 0], turned.bodies[:, 0]]), kind="stable")
+        rows = {c: np.concatenate([getattr(self, c), getattr(turned, c)])[order] for c in _COLUMNS}
+        return Contacts(names=self.names, scene=self.scene, **rows)
+
     def torque_about(self, point: ArrayLike) -> Array:
         """Sum of the torques on the first bodies about a point of the world [m], friction included (3,) [N
         m]."""
@@ -110,7 +118,7 @@ class Contacts:
             raise InvalidArgument(f"contacts: no body is named {name!r}; there are {', '.join(self.names)}")
         return self.names.index(name)
 
-    def _take(self, rows: NDArray[np.bool_]) -> Contacts:
+    def _take(self, rows: NDArray[np.bool_] | slice) -> Contacts:
         return replace(self, **{c: getattr(self, c)[rows] for c in _COLUMNS})
 
     def _turned(self) -> Contacts:
@@ -251,8 +259,8 @@ class ContactSensors(BodyHandle):
         triangles."""
         self._require_triangles("contact_area")
         contacts = self.contacts(other)
-        touching = self._touching(contacts, self._flat_patches(contacts))
-        return float(self._triangle_areas()[touching].sum())
+        touching = touched(contacts, self._flat_patches(contacts), self.triangles, len(self.positions))
+        return float(areas_of(self.positions, self.triangles)[touching].sum())
 
     def contact_pressure(self, other: BodyHandle | str | None = None) -> Array:
         """Normal contact force over the area that belongs to each vertex (n,) [Pa]: a third of its triangles,
@@ -261,15 +269,12 @@ class ContactSensors(BodyHandle):
         show their mean: how a rigid face shares its load is not determined. Raises InvalidArgument for rods,
         which have no triangles."""
         self._require_triangles("contact_pressure")
-        contacts = self.contacts(other)
-        forces = np.linalg.norm(contacts._spread(contacts.normal_forces, len(self.positions)), axis=1)
+        return self._pressure_of(self.contacts(other))
+
+    def _pressure_of(self, contacts: Contacts) -> Array:
+        """That of contacts with this body as the first of each pair."""
         patches = self._flat_patches(contacts)
-        touching = self._touching(contacts, patches)
-        shares = VertexShares(self.mesh, self.triangles, self._triangle_areas(), touching, len(forces))
-        pressure = shares.pressure(forces)
-        for patch in patches:
-            pressure[patch] = shares.mean_pressure(forces, patch)
-        return pressure
+        return pressure_on(self.positions, self.triangles, contacts, patches, self.mesh)
 
     def _require_triangles(self, what: str) -> None:
         if len(self.triangles) == 0:
@@ -278,21 +283,14 @@ class ContactSensors(BodyHandle):
                 f"the other body, or read contact_forces, those on its nodes [N]"
             )
 
-    def _touching(self, contacts: Contacts, patches: list[Ints]) -> NDArray[np.bool_]:
-        """Triangles whose vertices all are in contact as points, not as corners of a face that is touched, or
-        in a flat patch."""
-        vertex = np.zeros(len(self.positions), dtype=bool)
-        for k in range(4):
-            mine = (contacts.first_counts > k) & (contacts.weights[:, k] > 1.0 - 1e-9)
-            vertex[contacts.vertices[mine, k]] = True
-        for patch in patches:
-            vertex[patch] = True
-        return np.asarray(vertex[self.triangles].all(axis=1))
+    def _inner_vertices(self) -> Ints:
+        """Vertices inside flat faces of a rigid body, which have no contacts."""
+        return _core.inner_vertices(self._require_simulation("contacts")._core, self._index)
 
     def _flat_patches(self, contacts: Contacts) -> list[Ints]:
         """Vertices of each flat face of a rigid body that lie within the points where it touches. Its inner
         vertices have no contacts: they touch where contacts surround them."""
-        inner = _core.inner_vertices(self._require_simulation("contacts")._core, self._index)
+        inner = self._inner_vertices()
         patches = []
         while len(inner) > 0 and len(contacts) > 0:
             normal = self._normal_at(inner[0])
@@ -313,11 +311,6 @@ class ContactSensors(BodyHandle):
         normal = np.cross(b - a, c - a)
         unit: Array = normal / np.linalg.norm(normal)
         return unit
-
-    def _triangle_areas(self) -> Array:
-        x = self.positions[self.triangles]
-        areas: Array = 0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1)
-        return areas
 
 
 class InertialSensors(BodyHandle):

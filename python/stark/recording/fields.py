@@ -118,7 +118,6 @@ def _built_in(sim: Any, name: str) -> FieldEntry:
     """A field of the house, of moving bodies that have it; bodies of laws whose stress is unknown have
     none."""
     from ..render.fields import FIELDS as KNOWN
-    from ..render.fields import field_values
 
     if name not in KNOWN:
         raise RecordingError(f"recording: field '{name}' is unknown; choose of {', '.join(KNOWN)}")
@@ -126,7 +125,8 @@ def _built_in(sim: Any, name: str) -> FieldEntry:
     for i, body in enumerate(sim.bodies):
         if body.kind in kind.kinds and body.motion != "fixed":
             try:
-                field_values(sim, name, body)
+                if kind.together is None:  # else all bodies of its kinds have it
+                    kind.compute(body)
             except InvalidArgument:
                 continue
             having.append(i)

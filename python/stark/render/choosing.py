@@ -15,6 +15,9 @@ def matching(chosen: Any, names: Sequence[str], what: str) -> list[int]:
     patterns such as ``"finger*"`` (a name that a body has is that body, whatever characters it has).
     InvalidArgument calls what matches no body ``what``."""
     parts = [chosen] if isinstance(chosen, str) or not isinstance(chosen, Iterable) else list(chosen)
+    places: dict[str, list[int]] = {}  # by name
+    for i, name in enumerate(names if len(parts) > 1 else ()):
+        places.setdefault(name, []).append(i)
     found: set[int] = set()
     for part in parts:
         pattern = part if isinstance(part, str) else getattr(part, "name", None)
@@ -22,11 +25,11 @@ def matching(chosen: Any, names: Sequence[str], what: str) -> list[int]:
             raise InvalidArgument(
                 f"{what} = {part!r}: must be bodies, their names, or patterns like 'finger*'"
             )
-        hits = {i for i, name in enumerate(names) if name == pattern}
-        hits = hits or {i for i, name in enumerate(names) if fnmatchcase(name, pattern)}
+        hits = places.get(pattern, []) if places else [i for i, name in enumerate(names) if name == pattern]
+        hits = hits or [i for i, name in enumerate(names) if fnmatchcase(name, pattern)]
         if not hits:
             raise InvalidArgument(f"{what} = '{pattern}': no body has such a name; {_known(pattern, names)}")
-        found |= hits
+        found.update(hits)
     return sorted(found)
 
 

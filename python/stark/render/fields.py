@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from stark.bodies.contact_pressures import pressures_of
 from stark.body_kinds import has_pose, names_of, row_of
 
 from .._core import InvalidArgument
@@ -28,6 +29,8 @@ class _Kind(NamedTuple):
     unit: str
     kinds: tuple[str, ...]  #: of the bodies that have it
     compute: Callable[[Any], np.ndarray]
+    #: Of several bodies of a simulation, where that is faster than one by one.
+    together: Callable[[Any, Sequence[Any]], Sequence[np.ndarray]] | None = None
 
 
 def field_values(sim: Any, name: str, bodies: Any = None) -> dict[str, np.ndarray]:
@@ -54,8 +57,10 @@ def field_values(sim: Any, name: str, bodies: Any = None) -> dict[str, np.ndarra
     kind = _known(name)
     every = list(sim.bodies)
     indices = range(len(every)) if bodies is None else matching(bodies, [b.name for b in every], "bodies")
-    chosen = [every[i] for i in indices]
-    return {body.name: kind.compute(body) for body in chosen if body.kind in kind.kinds}
+    chosen = [every[i] for i in indices if every[i].kind in kind.kinds]
+    if kind.together is not None and len(chosen) > 1 and hasattr(type(sim), "contacts"):
+        return dict(zip([body.name for body in chosen], kind.together(sim, chosen), strict=True))
+    return {body.name: kind.compute(body) for body in chosen}
 
 
 def field_of(source: Any, field: Any, shown: Collection[str] | None = None) -> Field:
@@ -159,6 +164,10 @@ def _contact_force(body: Any) -> np.ndarray:
 
 def _pressure(body: Any) -> np.ndarray:
     return np.asarray(body.contact_pressure())
+
+
+def _pressures(sim: Any, bodies: Sequence[Any]) -> Sequence[np.ndarray]:
+    return pressures_of(bodies, sim.contacts)
 
 
 def _strain(body: Any) -> np.ndarray:
@@ -323,7 +332,7 @@ FIELDS: dict[str, _Kind] = {
     "plastic_strain": _Kind(
         "plastic strain", "", names_of(strains=True, has_triangles=True), _plastic_strain
     ),
-    "pressure": _Kind("contact pressure", "Pa", names_of(has_triangles=True), _pressure),
+    "pressure": _Kind("contact pressure", "Pa", names_of(has_triangles=True), _pressure, _pressures),
     "contact_force": _Kind("contact force", "N", _ALL, _contact_force),
     "speed": _Kind("speed", "m/s", _ALL, _speed),
 }

@@ -68,3 +68,41 @@ def test_rods_have_no_area_to_spread_their_force_over() -> None:
         with pytest.raises(stark.InvalidArgument, match=r"'rod': contact_.*a rod has no triangles"):
             read()
     assert floor.contact_pressure(cord).shape == (4,)
+
+
+def heap() -> Any:
+    """Bodies of all surfaces that lie on each other: faces with vertices inside, cut faces, sheets."""
+    scene = stark.Scene()
+    scene.add_floor()
+    rubber = stark.SolidMaterial(density=DENSITY, youngs_modulus=1e5, poissons_ratio=0.0)
+    for k, mesh in enumerate(MESHES.values()):
+        scene.add_solid(mesh, rubber, position=(0.5 * k, 0, SIDE / 2 + 0.0005))
+        fine = stark.mesh.TriangleMesh(*_fine_box())
+        scene.add_rigid(fine, mass=1.0, position=(0.5 * k, 0, SIDE + 0.0515))
+    scene.add_sphere(0.05, mass=0.1, position=(0, 0.5, 0.0505))
+    scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=6), stark.materials.cotton, position=(0, 0.5, 0.102))
+    scene.add_box(0.1, mass=0.1, position=(0, 2, 3))  # touches nothing
+    scene.add_rod([(0.3, -0.5, 0.003), (0.5, -0.5, 0.003)], stark.RodMaterial(radius=0.002))
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.run_until(0.05)
+    return sim
+
+
+def _fine_box() -> tuple[Any, Any]:
+    block = stark.mesh.box_hexahedra(0.1, 4)
+    used, triangles = np.unique(block.surface_triangles(), return_inverse=True)
+    return block.vertices[used], triangles.reshape(-1, 3)
+
+
+def test_pressures_of_many_bodies_are_those_of_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    sim = heap()
+    alone = {body.name: body.contact_pressure() for body in sim.bodies if len(body.triangles)}
+    assert sum(values.any() for values in alone.values()) > 8
+    calls: list[Any] = []
+    core_contacts = stark._core.contacts
+    monkeypatch.setattr(stark._core, "contacts", lambda core: calls.append(core) or core_contacts(core))
+    together = stark.render.field_values(sim, "pressure")
+    assert len(calls) == 1  # not one list of all contacts for each body
+    assert list(together) == list(alone)
+    for name, values in alone.items():
+        assert np.array_equal(together[name], values), name

@@ -201,3 +201,22 @@ def test_damage_is_named(tmp_path: Path, name: str, change: Any) -> None:
     path.unlink()
     with pytest.raises(RecordingError, match="is missing or damaged"):
         run.field_row(0)
+
+
+def test_a_recorder_of_many_bodies_asks_for_all_contacts_a_few_times(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = stark.Scene()
+    scene.add_floor(10.0)
+    for k in range(12):
+        scene.add_box(0.1, mass=0.1, position=(0.2 * k, 0, 0.0502))
+    sim = stark.Simulation(scene)
+    sim.step()
+    calls: list[Any] = []
+    contacts = stark._core.contacts
+    monkeypatch.setattr(stark._core, "contacts", lambda core: calls.append(core) or contacts(core))
+    with Recorder(tmp_path, sim, fields=("stress", "pressure"), contacts=True) as recorder:
+        recorder.record(sim)
+    assert 1 <= len(calls) <= 3
+    pressed = [values.max() for values in Recording(tmp_path).field("pressure", 0).values()]
+    assert len(pressed) == 12 and min(pressed) > 0.0
