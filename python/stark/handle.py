@@ -129,6 +129,10 @@ class SceneLink:
         """Adds an actuator to joints."""
         raise NotImplementedError
 
+    def _actuators_on(self, joint: int) -> list[Any]:
+        """Those on coordinates of a joint, by its index."""
+        raise NotImplementedError
+
     def _pair(self, pair: Any) -> tuple[int, int]:
         """Indices of two bodies, given as handles or names."""
         raise NotImplementedError

@@ -79,7 +79,7 @@ class Scene(
         self._ghosts = []
         self._energies: list[Energy] = []
         self._joints = []
-        self._actuators = []
+        self._actuators, self._listed_actuators = [], ([], {})
         self._attachments = []
         self._robots = []
         self._layers = []

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 class SceneActuators(SceneLink):
     """What ``stark.Scene`` knows about actuators."""
 
+    _listed_actuators: tuple[list[Actuator], dict[int, list[Actuator]]]  # those that are in it, by joint
+
     def add_actuator(
         self,
         kind: str | ActuatorFormula,
@@ -43,6 +45,19 @@ class SceneActuators(SceneLink):
         self._actuators.append(actuator)
         self._warn_of_late(f"actuator '{actuator.name}'")
         return actuator
+
+    def _actuators_on(self, joint: int) -> list[Actuator]:
+        """Those on coordinates of a joint, by its index, in the order of adding."""
+        listed, by_joint = self._listed_actuators
+        known = self._actuators
+        if len(listed) > len(known) or (listed and listed[-1] is not known[len(listed) - 1]):
+            listed, by_joint = [], {}  # some were taken back
+        for actuator in known[len(listed) :]:
+            listed.append(actuator)
+            for index in {on._index for on, _ in actuator.coordinates}:
+                by_joint.setdefault(index, []).append(actuator)
+        self._listed_actuators = listed, by_joint
+        return by_joint.get(joint, [])
 
     @property
     def actuators(self) -> NamedTuple[Actuator]:

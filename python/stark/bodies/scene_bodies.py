@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 from typing import Any
 
@@ -387,8 +388,8 @@ class SceneBodies(SceneLink):
     def _add_shape(self, kind: str, mesh: meshes.TriangleMesh, options: dict[str, Any]) -> RigidBody:
         if options.get("name") is None:
             options["name"] = self._core.free_name(kind)
-        known = inspect.signature(self.add_rigid).parameters
-        for name in sorted(options.keys() - known.keys()):
+        known = _parameters(type(self).add_rigid)
+        for name in sorted(options.keys() - set(known)):
             if not (hint := _OTHER_WORDS.get(name, "")) and (near := nearest(name, known)):
                 hint = f"; did you mean '{near}'?"
             raise TypeError(f"add_{kind}() got an unexpected keyword argument '{name}'{hint}")
@@ -405,6 +406,12 @@ class SceneBodies(SceneLink):
         self._ghosts.append(body)
         if others := [other._index for other in self._bodies if other is not body]:
             self._core.disable_contacts([body._index], others)
+
+
+@functools.cache
+def _parameters(method: Any) -> tuple[str, ...]:
+    """Names of what a method takes; finding them costs as much as adding a box."""
+    return tuple(inspect.signature(method).parameters)[1:]
 
 
 def _title(kind: str, name: str | None) -> str:

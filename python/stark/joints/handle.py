@@ -169,10 +169,11 @@ class JointActuators(Handle):
     @property
     def actuators(self) -> tuple[Actuator, ...]:
         """Actuators on coordinates of this joint, in the order of adding."""
-        known: list[Actuator] = self._scene._actuators
+        known: list[Actuator] = self._scene._actuators_on(self._index)
         if self._of is not None:
-            known = [a._bound_to(self._of) for a in known[: self._of._core.actuator_count]]
-        return tuple(a for a in known if any(joint._index == self._index for joint, _ in a.coordinates))
+            count = self._of._core.actuator_count
+            known = [a._bound_to(self._of) for a in known if a._index < count]
+        return tuple(known)
 
 
 class Joint(JointActuators):

@@ -4,11 +4,13 @@ tests/sim/test_simulation_actuators.cpp."""
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 import stark
+from stark.joints.handle import Actuator
 
 G = 9.81
 H = 0.01
@@ -382,3 +384,40 @@ def test_a_servo_follows_a_moving_target_with_its_rate() -> None:
         behind[knows_rate] = 4.0 - hinge.angle
     assert behind[False] == pytest.approx(2.0 * 5.0 / 50.0, rel=1e-3)
     assert abs(behind[True]) < 1e-3
+
+
+def test_actuators_of_a_joint_are_found_without_a_look_at_all_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = stark.Scene()
+    joints = []
+    for k in range(30):
+        bar = scene.add_box((0.1, 0.02, 0.02), mass=0.1, position=(0.2 * k, 0, 0))
+        joints.append(scene.add_hinge(None, bar, anchor=(0.2 * k, 0, 0), axis="y"))
+        joints[-1].add_motor(1.0, cap=1.0, delta=0.01)
+    looks: list[Any] = []
+    coordinates = Actuator.coordinates.fget
+    monkeypatch.setattr(Actuator, "coordinates", property(lambda a: looks.append(a) or coordinates(a)))
+    joints[0].add_friction(0.1)
+    assert [a.kind for a in joints[0].actuators] == ["velocity_motor", "joint_friction"]
+    assert len(looks) <= 3
+
+
+def test_actuators_of_a_joint_when_others_were_taken_back() -> None:
+    scene = stark.Scene()
+    bars = [scene.add_box((0.1, 0.02, 0.02), mass=0.1, position=(0.3 * k, 0, 0)) for k in range(3)]
+    at = {"anchor": (0.0, 0.0, 0.0)}
+    first = scene.add_hinge(None, bars[0], axis="y", **at, limits=(-1.0, 1.0))
+    assert len(first.actuators) == 1
+    with pytest.raises(stark.InvalidArgument), scene._all_or_nothing():
+        lost = scene.add_hinge(None, bars[1], axis="x", **at, limits=(-1.0, 1.0))
+        assert len(lost.actuators) == 1
+        scene.add_hinge(None, bars[1], axis="x", **at, limits=(1.0, 1.0))
+    second = scene.add_hinge(None, bars[1], axis="z", **at)
+    assert second.actuators == () and second._index == lost._index
+    motor = second.add_motor(1.0, cap=1.0, delta=0.01)
+    assert second.actuators == (motor,) and len(first.actuators) == 1
+    geared = scene.add_hinge(None, bars[2], axis="x", **at)
+    gear = second.add_gear(geared, ratio=2.0)
+    assert second.actuators == (motor, gear) and geared.actuators == (gear,)
+    sim = stark.Simulation(scene)
+    late = second.add_friction(0.1)
+    assert [a.name for a in sim.joints[1].actuators] == [motor.name, gear.name] and late in second.actuators
