@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stark._interrupts import Deferred
 from stark.array_file import write_atomically
 from stark.render.camera import upright
 from stark.render.colormaps import linear
@@ -24,7 +25,8 @@ class GltfWriter:
 
     def __init__(self, path: Path, *, each: bool) -> None:
         try:
-            import trimesh
+            with Deferred():  # it swallows what is raised while it is imported, also KeyboardInterrupt
+                import trimesh
         except ImportError as error:
             raise ImportError(_MISSING) from error
         self._trimesh: Any = trimesh

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidMesh
+from stark._interrupts import Deferred
 from stark.arguments import given_flag, given_path
 from stark.files import read_bytes
 from stark.mesh.arguments import require_finite
@@ -229,7 +230,8 @@ def _loaded_by_trimesh(trimesh: Any, file: Path) -> Any:
 
 def _load_by_trimesh(file: Path) -> Mesh:
     try:
-        import trimesh
+        with Deferred():  # it swallows what is raised while it is imported, also KeyboardInterrupt
+            import trimesh
     except ImportError as error:
         raise ImportError(f"'{file}': this format needs trimesh: pip install 'stark-sim[mesh]'") from error
     if file.suffix.lower() not in _TRIMESH_FORMATS and _is_of_meshio(file):

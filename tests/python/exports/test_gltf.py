@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -50,3 +51,21 @@ def test_frames_of_a_recording_are_files(tmp_path: Path) -> None:
     files = stark.exports.export_recording(run, tmp_path / "out", "glb", frames=[0, 2])
     assert [file.name[-10:] for file in files] == ["000000.glb", "000002.glb"]
     assert len(trimesh.load(files[1]).geometry) == len(run.bodies)
+
+
+def test_ctrl_c_while_trimesh_is_imported_is_not_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from stark.exports.gltf import GltfWriter
+
+    (tmp_path / "trimesh.py").write_text(
+        "import signal\ntry:\n    signal.raise_signal(signal.SIGINT)\nexcept BaseException:\n    pass\n"
+    )
+    monkeypatch.delitem(sys.modules, "trimesh")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(KeyboardInterrupt):
+        GltfWriter(tmp_path / "a.glb", each=False)
+    monkeypatch.delitem(sys.modules, "trimesh")
+    (tmp_path / "cup.off").write_text("OFF\n")
+    with pytest.raises(KeyboardInterrupt):
+        stark.mesh.load(tmp_path / "cup.off")
