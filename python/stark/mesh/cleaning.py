@@ -12,7 +12,7 @@ from stark._core import InvalidArgument, InvalidMesh
 from stark.arguments import given_flag, real_number
 from stark.mesh.arguments import Indices, Points, corners_of
 from stark.mesh.conversion import as_triangle_mesh
-from stark.mesh.repair import merged, oriented
+from stark.mesh.repair import equal_rows, merged, oriented
 from stark.mesh.report import MeshReport
 from stark.mesh.types import TriangleMesh, compact
 
@@ -91,7 +91,7 @@ def _merged(mesh: TriangleMesh, grid: float, report: MeshReport) -> TriangleMesh
 
 
 def _without_bad_triangles(mesh: TriangleMesh, report: MeshReport) -> TriangleMesh:
-    _, first = np.unique(np.sort(mesh.triangles, axis=1), axis=0, return_index=True)
+    first, _ = equal_rows(np.sort(mesh.triangles, axis=1))
     keep = np.zeros(len(mesh.triangles), dtype=bool)
     keep[first] = True
     report.add("double", int((~keep).sum()), f"{int((~keep).sum())} triangles that were there twice")
@@ -151,8 +151,8 @@ def _turned(mesh: TriangleMesh, report: MeshReport) -> TriangleMesh:
     found: TriangleMesh = oriented(mesh)
     # Closed pieces face outwards already; pieces with holes by their volume about their middle.
     label, triangles = pieces(found.triangles), found.triangles.copy()
-    for piece in range(int(label.max()) + 1):
-        mine = label == piece
+    order = np.argsort(label, kind="stable")
+    for mine in np.split(order, np.cumsum(np.bincount(label))[:-1]):
         x = found.vertices[triangles[mine]] - found.vertices[np.unique(triangles[mine])].mean(axis=0)
         if np.einsum("ij,ij->", x[:, 0], np.cross(x[:, 1], x[:, 2])) < 0.0:
             triangles[mine] = triangles[mine][:, ::-1]
@@ -199,13 +199,15 @@ def border_loops(triangles: Indices) -> list[Ints]:
     loops = []
     for start in border[:, 0].tolist():
         while ahead.get(start):
-            chain = [start]
+            chain, place = [start], {start: 0}
             while ahead.get(chain[-1]):
                 following = ahead[chain[-1]].pop()
-                if following in chain:  # a loop that pinches itself is several
-                    at = chain.index(following)
+                if (at := place.get(following)) is not None:  # a loop that pinches itself is several
                     loops.append(np.array(chain[at:]))
+                    for gone in chain[at + 1 :]:
+                        del place[gone]
                     del chain[at + 1 :]
                 else:
+                    place[following] = len(chain)
                     chain.append(following)
     return [loop for loop in loops if len(loop) > 2]

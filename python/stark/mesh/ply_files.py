@@ -90,6 +90,14 @@ def _header(text: str) -> tuple[str, list[_Element]]:
 
 def _read_lists(reader: _Text | _Binary, element: _Element, corners: list[int], counts: list[int]) -> None:
     """Reads elements with lists; the corners of faces, and their counts, are appended."""
+    even = reader.even_table(element) if isinstance(reader, _Binary) else None
+    if even is not None:
+        for k, p in enumerate(element.properties):
+            if element.name == "face" and p.name in ("vertex_indices", "vertex_index"):
+                values = even[f"values_{k}"].reshape(element.count, -1)
+                corners.extend(values.ravel().astype(np.int64).tolist())
+                counts.extend([values.shape[1]] * element.count)
+        return
     for _ in range(element.count):
         for p in element.properties:
             entries = int(reader.values(p.length, 1)[0]) if p.length else 1
@@ -141,6 +149,28 @@ class _Binary:
 
     def table(self, count: int, properties: list[_Property]) -> Any:
         return self._take(np.dtype([(p.name, self._order + p.kind) for p in properties]), count)
+
+    def even_table(self, element: _Element) -> Any:
+        """Rows of an element whose lists all have the lengths of those in its first row, as of triangles: in
+        one piece, many times as fast as one by one. None, and nothing is taken, where there are others."""
+        begin, fields = self._at, []
+        try:
+            for k, p in enumerate(element.properties if element.count else ()):
+                entries = int(self.values(p.length, 1)[0]) if p.length else 1
+                if entries < 0 or (p.length and p.kind[0] == "f"):
+                    raise InvalidMesh("to be read one by one")
+                self.values(p.kind, entries)
+                fields += [(f"length_{k}", self._order + p.length)] if p.length else []
+                fields.append((f"values_{k}", self._order + p.kind, (entries,)))
+            self._at = begin
+            table = self._take(np.dtype(fields), element.count)
+        except (InvalidMesh, ValueError):  # the file ends too early for such rows, or there are none
+            table = None
+        lengths = [name for name, *_ in fields if name.startswith("length")]
+        if table is None or not all((table[name] == table[name][0]).all() for name in lengths):
+            self._at = begin
+            return None
+        return table
 
     def _take(self, kind: np.dtype[Any], count: int) -> Any:
         size = kind.itemsize * count

@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 
 from stark._core import InvalidArgument, InvalidMesh
 from stark.mesh.arguments import Indices, Points, corners_of, numbers_of
-from stark.mesh.types import EmbeddedMesh, Mesh, SolidMesh, TetMesh, TriangleMesh, compact
+from stark.mesh.types import (
+    EmbeddedMesh,
+    Mesh,
+    SolidMesh,
+    TetMesh,
+    TriangleMesh,
+    compact,
+    edge_counts,
+    edge_numbers,
+)
 from stark.overloads import overload
 
 #: Odd numbers by which the cells of a grid get one number each, and neighbours those next to it, modulo 2^64.
@@ -35,17 +44,28 @@ def merged(mesh: Mesh, tolerance: float = 0.0) -> Mesh:
     elements = getattr(mesh, name)
     corners_of(mesh.vertices, elements, f"merged: {name}")
     keys = mesh.vertices if grid == 0.0 else np.round(mesh.vertices / grid)
-    cells, first, renumbered = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first)  # keeps the order of the file
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
-    vertices, numbers = mesh.vertices[first[order]], rank[renumbered.reshape(-1)]
+    first, numbers = equal_rows(keys)
+    vertices = mesh.vertices[first]
     if grid > 0.0:
-        numbers = _across_cells(cells[order], vertices, float(grid))[numbers]
+        numbers = _across_cells(keys[first], vertices, float(grid))[numbers]
     found = numbers[elements].astype(np.int32)
     nodes = np.sort(found, axis=1)
     whole_ones = (nodes[:, 1:] != nodes[:, :-1]).all(axis=1)
     return compact(type(mesh)(vertices, found[whole_ones]))
+
+
+def equal_rows(rows: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The first of each group of equal rows (k,), in their order, and the group of each row (n,). np.unique
+    of rows takes many times as long."""
+    order = np.lexsort(rows.T)  # stable: the first of a group comes first
+    ordered = rows[order]
+    starts = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(axis=1)])[: len(rows)]
+    first = order[starts]
+    rank = np.empty_like(first)
+    rank[np.argsort(first)] = np.arange(len(first))
+    groups = np.empty_like(order)
+    groups[order] = rank[np.cumsum(starts) - 1]
+    return np.sort(first), groups
 
 
 def _across_cells(cells: Points, vertices: Points, reach: float) -> NDArray[np.int64]:
@@ -83,7 +103,7 @@ def whole(surface: TriangleMesh) -> TriangleMesh:
     collapsed = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
     if collapsed.any() and not collapsed.all():
         surface = TriangleMesh(surface.vertices, triangles[~collapsed])
-    if surface.is_closed or len(np.unique(surface.vertices, axis=0)) == len(surface.vertices):
+    if surface.is_closed or len(equal_rows(surface.vertices)[0]) == len(surface.vertices):
         return surface
     united = merged(surface)
     return united if len(united.triangles) else surface
@@ -123,33 +143,51 @@ def turned_edge(triangles: Indices) -> tuple[int, int] | None:
 
 def _oriented_triangles(mesh: TriangleMesh) -> TriangleMesh:
     triangles = mesh.triangles.copy()
-    by_edge: dict[tuple[int, int], list[int]] = {}
-    for t, (a, b, c) in enumerate(triangles.tolist()):
-        for edge in ((a, b), (b, c), (c, a)):
-            by_edge.setdefault((min(edge), max(edge)), []).append(t)
-    seen = np.zeros(len(triangles), dtype=bool)
-    for seed in range(len(triangles)):
-        if seen[seed]:
+    turned, part = _agreeing(triangles)
+    triangles[turned] = triangles[turned][:, ::-1]
+    order = np.argsort(part, kind="stable")
+    for mine in np.split(order, np.flatnonzero(np.diff(part[order])) + 1):
+        if len(mine) < 4 or (edge_counts(triangles[mine]) != 2).any():  # open
             continue
-        seen[seed] = True
-        component, stack = [seed], [seed]
-        while stack:
-            a, b, c = triangles[stack.pop()].tolist()
-            for u, v in ((a, b), (b, c), (c, a)):
-                neighbours = by_edge[min(u, v), max(u, v)]
-                for other in neighbours if len(neighbours) == 2 else ():
-                    if seen[other]:
-                        continue
-                    x, y, z = triangles[other].tolist()
-                    if (u, v) in ((x, y), (y, z), (z, x)):  # runs the same way: turned over relative to us
-                        triangles[other] = (z, y, x)
-                    seen[other] = True
-                    component.append(other)
-                    stack.append(other)
-        part = TriangleMesh(mesh.vertices, triangles[component])
-        if part.is_closed and part.volume < 0.0:
-            triangles[component] = triangles[component][:, ::-1]
+        used, corners = np.unique(triangles[mine], return_inverse=True)
+        if TriangleMesh(mesh.vertices[used], corners.reshape(-1, 3)).volume < 0.0:
+            triangles[mine] = triangles[mine][:, ::-1]
     return TriangleMesh(mesh.vertices, triangles)
+
+
+def _agreeing(triangles: Indices) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    """Which triangles (m,) are to be turned over to agree with the first one that they are connected with by
+    edges of two triangles, and the number of that one."""
+    beside, same = _neighbours(triangles)
+    turned, part = [False] * len(triangles), [-1] * len(triangles)
+    for seed in range(len(triangles)):
+        if part[seed] >= 0:
+            continue
+        part[seed] = seed
+        stack = [seed]
+        while stack:
+            t = stack.pop()
+            for side in (3 * t + 1, 3 * t, 3 * t + 2) if turned[t] else (3 * t, 3 * t + 1, 3 * t + 2):
+                other = beside[side]
+                if other >= 0 and part[other] < 0:
+                    part[other] = seed
+                    turned[other] = same[side] != turned[t]
+                    stack.append(other)
+    return np.array(turned, dtype=bool), np.array(part, dtype=np.int64)
+
+
+def _neighbours(triangles: Indices) -> tuple[list[int], list[bool]]:
+    """Of each side (3 m,): the other triangle of its edge, -1 where there is not one other; and whether both
+    run along it in the same direction."""
+    numbers = edge_numbers(triangles)
+    order = np.argsort(numbers, kind="stable")
+    _, begins, counts = np.unique(numbers[order], return_index=True, return_counts=True)
+    one, two = order[begins[counts == 2]], order[begins[counts == 2] + 1]
+    rises = (triangles < np.roll(triangles, -1, axis=1)).ravel()
+    beside, same = np.full(len(numbers), -1), np.zeros(len(numbers), dtype=bool)
+    beside[one], beside[two] = two // 3, one // 3
+    same[one] = same[two] = rises[one] == rises[two]
+    return beside.tolist(), same.tolist()
 
 
 def doubles(elements: NDArray[np.integer[Any]]) -> Indices:

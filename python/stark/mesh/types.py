@@ -21,8 +21,14 @@ from stark.rotations import as_matrix, vector
 
 
 def edge_counts(triangles: Indices) -> NDArray[np.int64]:
-    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    return np.unique(edges, axis=0, return_counts=True)[1]
+    return np.unique(edge_numbers(triangles), return_counts=True)[1]
+
+
+def edge_numbers(triangles: Indices) -> NDArray[np.int64]:
+    """Of the sides of triangles (3 m,): one number for an edge, whichever way a triangle runs along it.
+    Numbers are sorted many times faster than rows."""
+    low, high = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1).astype(np.int64).T
+    return np.asarray((low << 32) + high)
 
 
 class MeshBase(AnsweredAttributes):

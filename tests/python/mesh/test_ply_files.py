@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from stark import InvalidMesh, mesh
+from stark.mesh import ply_files
 
 
 def ply(layout: str) -> bytes:
@@ -69,3 +70,39 @@ def test_files_that_are_no_ply_are_refused_by_name(tmp_path: Path, data: bytes, 
     with pytest.raises(InvalidMesh, match=part) as refused:
         mesh.load(path)
     assert str(path) in str(refused.value)
+
+
+def faces(order: str, rows: list[tuple[int, ...]]) -> bytes:
+    """A plane of 5 x 5 vertices with faces."""
+    layout = "little" if order == "<" else "big"
+    header = (
+        f"ply\nformat binary_{layout}_endian 1.0\nelement vertex 25\nproperty float x\nproperty float y\n"
+        f"property float z\nelement face {len(rows)}\nproperty uchar flags\n"
+        "property list uchar ushort vertex_index\nend_header\n"
+    ).encode()
+    body = b"".join(struct.pack(order + "fff", k % 5, k // 5, 0) for k in range(25))
+    return header + body + b"".join(struct.pack(f"{order}BB{len(r)}H", 1, len(r), *r) for r in rows)
+
+
+@pytest.mark.parametrize("order", "<>")
+def test_rows_of_the_same_length_are_read_in_one_piece(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, order: str
+) -> None:
+    reads: list[int] = []
+    read = ply_files._Binary._take
+    monkeypatch.setattr(
+        ply_files._Binary, "_take", lambda self, kind, count: reads.append(count) or read(self, kind, count)
+    )
+    rows = [(k, k + 1, k + 6, k + 5) for k in range(19) if k % 5 < 4]
+    (tmp_path / "even.ply").write_bytes(faces(order, rows))
+    even = mesh.load(tmp_path / "even.ply")
+    assert len(even.triangles) == 2 * len(rows) and len(reads) < 8
+    (tmp_path / "mixed.ply").write_bytes(faces(order, [*rows[:-1], rows[-1][:3]]))
+    mixed = mesh.load(tmp_path / "mixed.ply")
+    assert mixed.triangles.tolist() == even.triangles.tolist()[:-1] and len(reads) > 2 * len(rows)
+
+
+def test_a_file_that_ends_within_rows_of_the_same_length(tmp_path: Path) -> None:
+    (tmp_path / "a.ply").write_bytes(faces("<", [(0, 1, 6), (0, 6, 5)])[:-1])
+    with pytest.raises(InvalidMesh, match="ends too early"):
+        mesh.load(tmp_path / "a.ply")

@@ -7,6 +7,8 @@ import pytest
 
 import stark
 from stark import mesh
+from stark.mesh.repair import equal_rows
+from stark.mesh.types import edge_counts
 
 
 def test_oriented_repairs_any_mixture() -> None:
@@ -73,3 +75,40 @@ def test_noise_of_a_scan_leaves_no_cracks() -> None:
     # What is farther apart stays so, and a coarse tolerance thins out.
     assert len(mesh.merged(ball, 1e-3).vertices) == len(ball.vertices)
     assert 100 < len(mesh.merged(ball, 0.2).vertices) < 1000
+
+
+def test_equal_rows_are_those_of_numpy() -> None:
+    generator = np.random.default_rng(3)
+    rows = generator.integers(-2, 2, (200, 3)) * 1.0
+    rows[generator.random(rows.shape) < 0.3] *= -1.0  # also -0.0, which is 0.0
+    first, groups = equal_rows(rows)
+    _, expected, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    assert np.array_equal(first, np.sort(expected)) and np.array_equal(
+        first[groups], expected[which.reshape(-1)]
+    )
+    assert [len(part) for part in equal_rows(np.empty((0, 3)))] == [0, 0]
+    assert len(equal_rows(np.array([[0.0, np.nan], [0.0, np.nan]]))[0]) == 2
+
+
+def test_each_of_many_parts_faces_outwards_and_one_sided_strips_stay_whole() -> None:
+    generator, box = np.random.default_rng(6), mesh.box(1.0)
+    parts = mesh.joined([box.translated((2.0 * k, 0, 0)) for k in range(40)])
+    triangles = parts.triangles.copy()
+    wrong = generator.random(len(triangles)) < 0.4
+    triangles[wrong] = triangles[wrong][:, ::-1]
+    order = generator.permutation(len(triangles))
+    repaired = mesh.oriented(mesh.TriangleMesh(parts.vertices, triangles[order]))
+    for k in range(40):
+        mine = (repaired.triangles // 8 == k).all(axis=1)
+        assert mesh.TriangleMesh(parts.vertices, repaired.triangles[mine]).volume == pytest.approx(1.0)
+    strip = np.array([[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 0], [4, 0, 1], [4, 1, 0]])
+    twisted = mesh.oriented(mesh.TriangleMesh(np.eye(5)[:, :3], strip))
+    assert np.array_equal(np.sort(twisted.triangles, axis=1), np.sort(strip, axis=1))
+
+
+def test_closed_surfaces_by_numbers_of_edges() -> None:
+    ball = mesh.sphere(1.0, 2)
+    assert ball.is_closed and not mesh.TriangleMesh(ball.vertices, ball.triangles[1:]).is_closed
+    assert sorted(edge_counts(np.array([[0, 1, 2], [2, 1, 3], [1, 2, 4]])).tolist()) == [1] * 6 + [3]
+    far = np.array([[0, 2**31 - 1, 5], [2**31 - 1, 0, 7]], dtype=np.int32)
+    assert sorted(edge_counts(far).tolist()) == [1, 1, 1, 1, 2]
