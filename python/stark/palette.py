@@ -24,6 +24,7 @@ def body_colors(bodies: Sequence[Any]) -> list[Color]:
     free: dict[str, list[Color]] = {}
     distances: np.ndarray | None = None  # of the candidates to the nearest colour that is taken
     colors: list[Color] = []
+    taken: set[Color] = set()
     for body in bodies:
         own, motion = getattr(body, "color", None), _word(getattr(body, "motion", ""))
         if own is not None:
@@ -34,7 +35,6 @@ def body_colors(bodies: Sequence[Any]) -> list[Color]:
         else:
             kind = _word(body.kind)
             left = free.setdefault(kind, list(_BY_KIND.get(kind, _BY_KIND["rigid"])))
-            taken = set(colors)
             while left and left[0] in taken:
                 left.pop(0)
             if left:
@@ -43,6 +43,7 @@ def body_colors(bodies: Sequence[Any]) -> list[Color]:
                 if distances is None:
                     distances = _distances([FIXED, *(c for p in _BY_KIND.values() for c in p), *colors])
                 colors.append(_candidates()[int(distances.argmax())])
+        taken.add(colors[-1])
         if distances is not None:
             distances = np.minimum(distances, _distances(colors[-1:]))
     return colors
@@ -63,9 +64,14 @@ def _candidates() -> list[Color]:
     ]
 
 
+@functools.cache
+def _seen_candidates() -> np.ndarray:
+    return _oklab(_candidates())
+
+
 def _distances(colors: Sequence[Color]) -> np.ndarray:
     """From each candidate to the nearest of some colours, as seen."""
-    apart = _oklab(_candidates())[:, None] - _oklab(colors)[None]
+    apart = _seen_candidates()[:, None] - _oklab(colors)[None]
     return np.asarray(np.linalg.norm(apart, axis=2).min(axis=1))
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
+from stark import palette
 from stark.palette import FIXED, _oklab, body_colors
 
 
@@ -40,3 +42,12 @@ def test_oklab_of_known_colours() -> None:
     """White, and red from the table of its author."""
     expected = [[1.0, 0.0, 0.0], [0.628, 0.225, 0.126]]
     assert np.abs(_oklab([(1, 1, 1), (1, 0, 0)]) - expected).max() < 1e-3
+
+
+def test_many_bodies_compare_candidates_as_seen_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes: list[int] = []
+    see = palette._oklab
+    monkeypatch.setattr(palette, "_oklab", lambda colors: sizes.append(len(colors)) or see(colors))
+    palette._seen_candidates.cache_clear()
+    assert len(set(body_colors(bodies(200)))) == 200
+    assert sum(sizes) < 2 * len(palette._candidates()) + 200

@@ -20,11 +20,13 @@ def pressures_of(bodies: Sequence[Any], contacts: Any) -> list[Floats]:
     these are: together, since a call for each goes through all contacts."""
     both = contacts._both_sides()
     begins = np.searchsorted(both.bodies[:, 0], np.arange(len(contacts.names) + 1))
-    results = [np.zeros(len(body.positions)) for body in bodies]
+    results = []
     offsets = np.full(len(contacts.names), -1)  # in the rows of all that touch, by body
     together: list[int] = []
     x, triangles, patches, count = [], [], [], 0
     for k, body in enumerate(bodies):
+        places = body.positions
+        results.append(np.zeros(len(places)))
         mine = slice(*begins[body._index : body._index + 2])
         if mine.start == mine.stop:
             continue
@@ -35,7 +37,7 @@ def pressures_of(bodies: Sequence[Any], contacts: Any) -> list[Floats]:
             patches += [count + patch for patch in body._flat_patches(both._take(mine))]
         together.append(k)
         offsets[body._index] = count
-        x.append(body.positions)
+        x.append(places)
         triangles.append(body.triangles + count)
         count += len(x[-1])
     if not together:

@@ -86,7 +86,8 @@ class Camera:
     def take(self, source: Any, time: float, index: int) -> Shot:
         """Of ``source`` as it is now, at a ``time`` [s]."""
         parts = drawn(source)
-        shot = Shot(time, tuple(map(_body, parts)), tuple(body_colors(parts)), {}, up=up_of(source))
+        colors = tuple(body_colors(parts)) if self._first is None else self._first.colors
+        shot = Shot(time, tuple(map(_body, parts)), colors, {}, up=up_of(source))
         fields: dict[str, dict[str, Array]] = {}
         for name in self._names:
             moved = name in MOTION

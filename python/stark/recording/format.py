@@ -85,8 +85,9 @@ def surface(body: Any) -> tuple[np.ndarray, np.ndarray]:
     if shown is not None:
         position, rotation = body.pose
         return shown.vertices @ rotation.T + position, shown.triangles
-    if hasattr(body, "surface_positions"):
-        return np.asarray(body.surface_positions), np.asarray(body.surface_triangles)
+    positions = getattr(body, "surface_positions", None)  # hasattr() would compute them once more
+    if positions is not None:
+        return np.asarray(positions), np.asarray(body.surface_triangles)
     return np.asarray(body.positions), np.asarray(body.triangles)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from stark.body_kinds import row_of
 
 from .._core import InvalidArgument
+from ..mesh import TriangleMesh
 from ..recording.format import surface
 from ..tubes import rings
 from .caps import cap
@@ -103,6 +104,12 @@ def at_surface(body: Any, values: np.ndarray) -> np.ndarray:
     """Values of the drawn vertices, of those of all vertices."""
     if getattr(body, "shown", None) is not None:
         return np.asarray(values[_touching(body)])
+    if hasattr(type(body), "_surface"):  # a solid: those of its vertices that are on its surface
+        used = body._surface()[1]
+        return values if len(values) == len(used) else np.asarray(values[used])
+    mesh = getattr(body, "_mesh", None)
+    if isinstance(mesh, TriangleMesh) and len(values) == len(mesh.vertices):  # cloth and rigid bodies
+        return values
     drawn = len(surface(body)[0])
     is_tube = not row_of(body).has_triangles
     if is_tube and drawn > len(values):  # rings around the nodes, then the middles of both ends

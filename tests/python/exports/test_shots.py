@@ -8,6 +8,7 @@ from _falls import falling
 
 import stark
 from stark.exports.shots import Camera, check_fields, pose_between
+from stark.recording.format import drawn, surface
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, 3.1])
@@ -45,3 +46,27 @@ def test_velocities_are_means_since_the_shot_before() -> None:
 def test_one_word_is_no_list_of_fields() -> None:
     with pytest.raises(stark.InvalidArgument, match=r"must be several names: \('stress',\)"):
         check_fields("stress", live=True)
+
+
+def test_colours_are_found_once_and_surfaces_computed_once_a_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    from stark.exports import shots
+
+    sim = falling()
+    calls: list[int] = []
+    find = shots.body_colors
+    monkeypatch.setattr(shots, "body_colors", lambda parts: calls.append(len(parts)) or find(parts))
+    camera = Camera(())
+    first, second = (camera.take(sim, time, k) for k, time in enumerate((0.0, 0.1)))
+    assert len(calls) == 1 and first.colors == second.colors == tuple(find(drawn(sim)))
+
+    class Skin:
+        asked = 0
+        triangles = surface_triangles = np.zeros((0, 3), dtype=np.int32)
+
+        @property
+        def surface_positions(self) -> np.ndarray:
+            self.asked += 1
+            return np.zeros((3, 3))
+
+    skin = Skin()
+    assert len(surface(skin)[0]) == 3 and skin.asked == 1
