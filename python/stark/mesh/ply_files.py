@@ -153,7 +153,8 @@ class _Binary:
     def even_table(self, element: _Element) -> Any:
         """Rows of an element whose lists all have the lengths of those in its first row, as of triangles: in
         one piece, many times as fast as one by one. None, and nothing is taken, where there are others."""
-        begin, fields = self._at, []
+        begin = self._at
+        fields: list[Any] = []
         try:
             for k, p in enumerate(element.properties if element.count else ()):
                 entries = int(self.values(p.length, 1)[0]) if p.length else 1
