@@ -231,9 +231,7 @@ def _knots(owner: str, times: ArrayLike, values: ArrayLike, fewest: int) -> tupl
 
 def _interval(t: Floats, time: float) -> tuple[int, float, float]:
     """Interval of a time, the fraction in it, its length [s]; at knots and outside the fraction is 0."""
-    k = min(
-        max(int(t.searchsorted(time, side="right")) - 1, 0), len(t) - 1
-    )  # np.clip is slow
+    k = min(max(int(t.searchsorted(time, side="right")) - 1, 0), len(t) - 1)  # np.clip is slow
     if time <= t[0] or k == len(t) - 1:
         return k, 0.0, 0.0
     h = float(t[k + 1] - t[k])

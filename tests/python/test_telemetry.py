@@ -69,6 +69,13 @@ def test_telemetry_lines_are_standard_json(tmp_path: Path) -> None:
     assert row["message"] == 'a "quoted"\nline'
 
 
+def test_rows_share_their_keys(tmp_path: Path) -> None:
+    rows = record(tmp_path / "run", 3).telemetry.rows
+    assert len(rows[0]) > 10 and "chain" not in rows[0]
+    for first, second in ((rows[0], rows[2]), (rows[0]["energy"], rows[2]["energy"])):
+        assert len({*map(id, first), *map(id, second)}) == len({*first, *second})
+
+
 def test_damaged_telemetry(tmp_path: Path) -> None:
     path = tmp_path / "t.jsonl"
     path.write_text('{"time":1}\n{"time":2')

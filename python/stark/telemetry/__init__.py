@@ -186,6 +186,14 @@ def _row(path: Path, number: int, line: str | bytes) -> dict[str, Any]:
     return row
 
 
+def _sharing(row: dict[str, Any], keys: dict[str, str]) -> dict[str, Any]:
+    """The same with the keys of all rows, which take half of the memory of a long run."""
+    return {
+        keys.setdefault(key, key): _sharing(value, keys) if isinstance(value, dict) else value
+        for key, value in row.items()
+    }
+
+
 def first_lines(path: Path, count: int) -> bytes:
     """So many lines of a file, each a JSON object; those of a file that goes on after them."""
     lines = []
@@ -236,10 +244,11 @@ class Telemetry:
         """Reads a JSONL file; ``tolerate_cut_line`` leaves out an unfinished last line (a killed run)."""
         path = Path(path)
         rows: list[dict[str, Any]] = []
+        keys: dict[str, str] = {}
         try:
             for number, line in _lines(path):
                 if line.endswith(b"\n"):
-                    rows.append(_row(path, number, line))
+                    rows.append(_sharing(_row(path, number, line), keys))
                 elif not tolerate_cut_line:
                     raise TelemetryError(
                         f"telemetry '{path}' line {number} is cut off; copy the run folder again"
