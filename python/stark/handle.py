@@ -9,7 +9,7 @@ them once it is gone. Handles know links to their scene and simulation, not what
 from __future__ import annotations
 
 import weakref
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, Protocol, Self, TypeAlias
 
@@ -282,6 +282,11 @@ class BodyHandle(Handle):
         return simulation._core.body_count
 
 
-def names_of(simulation: SimulationLink) -> Sequence[str]:
-    """Names of the bodies of a simulation."""
-    return [simulation._scene._core.name(k) for k in range(simulation._core.body_count)]
+def names_of(simulation: SimulationLink) -> tuple[str, ...]:
+    """Names of the bodies of a simulation, which do not change."""
+    known: dict[str, Any] = simulation.__dict__
+    if "_body_names" not in known:
+        core = simulation._scene._core
+        known["_body_names"] = tuple(core.name(k) for k in range(simulation._core.body_count))
+    names: tuple[str, ...] = known["_body_names"]
+    return names

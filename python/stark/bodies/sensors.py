@@ -75,6 +75,10 @@ class Contacts:
         if other is not None:
             b = self._index(other)
             straight, turned = straight & (self.bodies[:, 1] == b), turned & (self.bodies[:, 0] == b)
+        if not turned.any():
+            return self._take(straight)
+        if not straight.any():
+            return self._take(turned)._turned()
         kept, flipped = self._take(straight), self._take(turned)._turned()
         rows = {c: np.concatenate([getattr(kept, c), getattr(flipped, c)]) for c in _COLUMNS}
         return Contacts(names=self.names, scene=self.scene, **rows)
@@ -148,8 +152,7 @@ _COLUMNS = [field.name for field in fields(Contacts) if field.name not in ("name
 
 def contacts_of(simulation: SimulationLink) -> Contacts:
     """All contacts of the last step of a simulation."""
-    names = tuple(names_of(simulation))
-    return Contacts(names=names, scene=simulation._scene, **_core.contacts(simulation._core))
+    return Contacts(names=names_of(simulation), scene=simulation._scene, **_core.contacts(simulation._core))
 
 
 class ClosestPoints(NamedTuple):

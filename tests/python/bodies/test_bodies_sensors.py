@@ -142,3 +142,21 @@ def test_contacts_with_a_body_of_another_scene_are_refused() -> None:
     ):
         with pytest.raises(stark.InvalidArgument, match="belongs to another scene: must be a body of this"):
             read()
+
+
+def test_contacts_from_either_side_and_names_found_once() -> None:
+    scene = stark.Scene()
+    scene.add_floor(2.0, name="floor")
+    for k in range(3):
+        scene.add_box(0.1, mass=0.5, position=(0.3 * k, 0, 0.0502), name=f"box {k}")
+    sim = stark.Simulation(scene)
+    sim.step()
+    contacts = sim.contacts
+    assert sim.contacts.names is contacts.names == ("floor", "box 0", "box 1", "box 2")
+    for k in range(3):
+        above, below = contacts.of(f"box {k}", "floor"), contacts.of("floor", f"box {k}")
+        assert len(above) == len(below) == 4 == len(contacts.of(f"box {k}"))
+        assert (above.bodies == (k + 1, 0)).all() and (below.bodies == (0, k + 1)).all()
+        assert np.array_equal(above.forces, -below.forces) and (above.forces[:, 2] > 0.0).all()
+        assert np.array_equal(above.points_a, below.points_b)
+    assert len(contacts.of("box 0", "box 1")) == 0 and len(contacts.of("floor")) == 12
