@@ -1,5 +1,5 @@
-"""Contact pressure of solids of all elements that stand on a floor under their weight, and of one that lies
-on a smaller block: the weight over the area that touches."""
+"""Contact pressure of solids of all elements that stand on a floor under their weight, of one that lies on a
+smaller block, and of those that a plate presses through softer and stiffer layers: load over area."""
 
 from __future__ import annotations
 
@@ -55,6 +55,39 @@ def test_faces_that_touch_in_part_carry_all_of_the_force(element: str) -> None:
     assert np.isfinite(pressure).all() and (pressure >= 0.0).all()
     touched = pressure > 1e-3 * pressure.max()
     assert np.abs(np.asarray(block.positions)[touched, :2]).max() < 0.11
+
+
+@pytest.mark.parametrize(
+    ("element", "layer", "least", "most"),
+    [
+        ("tet4", 3e4, 0.999, 1.001),
+        ("tet10", 3e4, 0.93, 1.07),
+        ("hex8", 3e4, 0.8, 1.2),
+        ("hex27", 3e4, 0.8, 2.4),
+        ("hex27", 3e6, 0.9, 1.3),
+    ],
+)
+def test_an_even_pressure_through_layers_of_any_stiffness(
+    element: str, layer: float, least: float, most: float
+) -> None:
+    """Cells of 50 mm and 1 MPa, layers of 2 mm that yield more, or less, than these: the ranges of the guide
+    to sensors. The forces add up to the load."""
+    load, side = 50.0, 0.1
+    scene = stark.Scene()
+    scene.default_friction = 1e-3
+    options = {"contact_distance": 1e-3, "contact_stiffness": layer}
+    mesh = MESHES[element].scaled(side / SIDE)
+    scene.add_floor(**options)
+    rubber = stark.SolidMaterial(density=100.0, youngs_modulus=1e6, poissons_ratio=0.0)
+    block = scene.add_solid(mesh, rubber, position=(0, 0, side / 2 + 1.5e-3), **options)
+    plate = scene.add_box((0.14, 0.14, 0.02), mass=load / 9.81, position=(0, 0, side + 0.0132), **options)
+    scene.add_slider(None, plate, anchor=plate.position, axis="z")
+    sim = stark.Simulation(scene, time_step=0.02)
+    sim.run_until(2.0)
+    relative = block.contact_pressure(plate) / (load / side**2)
+    top = relative > 0.0
+    assert least < relative[top].min() and relative[top].max() < most, (relative[top].min(), relative.max())
+    assert block.contact_forces[top].sum(axis=0)[2] == pytest.approx(-load, rel=1e-3)
 
 
 def test_rods_have_no_area_to_spread_their_force_over() -> None:
