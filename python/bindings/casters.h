@@ -49,6 +49,7 @@ inline std::string shown(nb::handle value) {
 template <typename Array>
 Array array(nb::handle object, const std::string& name, const std::string& expected) {
   using T = std::remove_const_t<typename Array::Scalar>;
+  if (Array as_it_is; nb::try_cast<Array>(object, as_it_is, false) && as_it_is.is_valid()) return as_it_is;
   const nb::module_ numpy = nb::module_::import_("numpy");
   std::string got = text(object.type().attr("__name__"));
   try {

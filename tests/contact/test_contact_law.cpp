@@ -159,7 +159,7 @@ TEST_CASE("a layer that an impact has spent is raised to what is asked of it as 
   // A load that lasts counts by what the layer is once it has recovered.
   CHECK(sheets.law.end_step(spent, forces, 100.0).find(code) == 1.0);
   // What it stores as it is left is a thousandth of what it stored before.
-  const auto most = sheets.law.highest_factors(spent, {0.1}, {});
+  const auto most = sheets.law.highest_factors(spent, {0.1}, {}, kInfinity);
   CHECK(most.at(code) == doctest::Approx(1e3 / kLeft));
   const LoadMemory raised = sheets.law.raised(spent, forces, most);
   CHECK(raised.find(code) > 30.0);
@@ -176,10 +176,14 @@ TEST_CASE("raised contact stores no more than a thousand times what all contact 
   sheets.law.begin_step(now);
   sheets.law.assign(sheets.builder.surface, sheets.builder.x, sheets.pool, contacts);
   const std::vector<Vec3> forces{{0, 0, 1e6 * contacts[0].stiffness}};
-  const auto most = sheets.law.highest_factors(contacts, {0.4}, before);
+  const auto most = sheets.law.highest_factors(contacts, {0.4}, before, kInfinity);
   CHECK(most.at(code) == doctest::Approx(2e3));  // 0.1 J before the step, 100 J with it
   CHECK(sheets.law.raised(contacts, forces, most).find(code) == doctest::Approx(2e3));
   CHECK(sheets.law.raised(contacts, forces).find(code) == doctest::Approx(8e3));
+  // Nor more than a tenth of what moves has, from ten times on.
+  CHECK(sheets.law.highest_factors(contacts, {0.4}, before, 50.0).at(code) == doctest::Approx(1e2));
+  CHECK(sheets.law.highest_factors(contacts, {0.4}, before, 2.0).at(code) == doctest::Approx(20.0));
+  CHECK(sheets.law.highest_factors(contacts, {0.4}, before, 5e3).at(code) == doctest::Approx(2e3));
   // Nothing is stored: nothing comes out of nothing.
-  CHECK(sheets.law.highest_factors(contacts, {0.0}, before).empty());
+  CHECK(sheets.law.highest_factors(contacts, {0.0}, before, kInfinity).empty());
 }

@@ -24,8 +24,9 @@ constexpr double kFacing = 0.5;
 constexpr double kRaise = 1e3, kHighest = 1e9;
 
 /// What contact may store at the start of a step with raised factors, over what it did at the end of the one
-/// before: the difference comes out of nothing.
-constexpr double kMostStored = 1e3;
+/// before: the difference comes out of nothing. Beyond the first no more than a part of what moves has
+/// anyway.
+constexpr double kStored = 10.0, kMostStored = 1e3, kPartOfMotion = 0.1;
 
 constexpr int64_t kContactsPerTask = 1024;
 
@@ -152,7 +153,7 @@ LoadMemory ContactLaw::end_step(const std::vector<Contact>& contacts, std::span<
 
 std::map<int64_t, double> ContactLaw::highest_factors(const std::vector<Contact>& contacts,
                                                       const std::vector<double>& energies,
-                                                      const LoadMemory& before) const {
+                                                      const LoadMemory& before, double kinetic) const {
   std::map<int64_t, double> each;  // with a factor of 1 [J]
   double total = 0.0;              // with those of the step before [J]
   for (size_t c = 0; c < contacts.size(); ++c) {
@@ -161,9 +162,10 @@ std::map<int64_t, double> ContactLaw::highest_factors(const std::vector<Contact>
     each[code] += energy;
     total += energy / left(contacts[c]) * before.find(code);
   }
+  const double most = std::min(kMostStored * total, std::max(kStored * total, kPartOfMotion * kinetic));
   std::map<int64_t, double> highest;
   for (const auto& [code, energy] : each)
-    if (energy > 0.0) highest[code] = kMostStored * total / (energy * static_cast<double>(each.size()));
+    if (energy > 0.0) highest[code] = most / (energy * static_cast<double>(each.size()));
   return highest;
 }
 

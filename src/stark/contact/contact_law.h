@@ -71,10 +71,11 @@ class ContactLaw {
   LoadMemory raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                     const std::map<int64_t, double>& most = {}) const;
   /// Largest factors with which contacts that store these energies [J] store no more than kMostStored times
-  /// what all of them did with the factors of the step before.
+  /// what all of them did with the factors of the step before, and beyond kStored times that no more than
+  /// kPartOfMotion of `kinetic`, the energy of what moves [J].
   std::map<int64_t, double> highest_factors(const std::vector<Contact>& contacts,
-                                            const std::vector<double>& energies,
-                                            const LoadMemory& before) const;
+                                            const std::vector<double>& energies, const LoadMemory& before,
+                                            double kinetic) const;
 
  private:
   /// Largest factor that the loads ask for, by bodies: of those in contact, 0 for others that have one. Of a

@@ -201,9 +201,10 @@ ContactMemory ContactPipeline::end_step(const SitePositions& positions, double d
 }
 
 LoadMemory ContactPipeline::raised_load(std::span<const Vec3> x, std::span<const Vec3> start,
-                                        const LoadMemory& before) {
+                                        const LoadMemory& before, double kinetic) {
   settle(start);
-  const std::map<int64_t, double> most = law_.highest_factors(contacts(), active_.energies(), before);
+  const std::map<int64_t, double> most =
+      law_.highest_factors(contacts(), active_.energies(), before, kinetic);
   settle(x);
   return law_.raised(contacts(), forces(x), most);
 }
@@ -297,10 +298,6 @@ void ContactPipeline::update(const SitePositions& positions) {
   is_trial_ = false;
   friction_.remember(x);
   restitution_.remember(x);
-}
-
-void ContactPipeline::settle(const SitePositions& x) {
-  if (!x_active_.are(x, pool_)) update(x);
 }
 
 std::vector<const PotentialBatch*> ContactPipeline::batches(Curvature curvature) {

@@ -107,7 +107,9 @@ class ContactPipeline final : public ActiveSet {
   CloseBodies find_close_bodies(std::span<const Vec3> x);
 
   /// Factors of the barriers for another attempt at a step, after one that failed at x.
-  LoadMemory raised_load(std::span<const Vec3> x, std::span<const Vec3> start, const LoadMemory& before);
+  /// kinetic: energy of what moves [J], which bounds what this adds to that of contact.
+  LoadMemory raised_load(std::span<const Vec3> x, std::span<const Vec3> start, const LoadMemory& before,
+                         double kinetic);
   /// Largest difference between a friction limit that the step was solved with and mu times the normal force
   /// at its end [N].
   double friction_residual() const { return friction_residual_; }
@@ -116,7 +118,9 @@ class ContactPipeline final : public ActiveSet {
 
   void update(const SitePositions& x) override;
   /// The same, where the last update() was not at x.
-  void settle(const SitePositions& x);
+  void settle(const SitePositions& x) {
+    if (!x_active_.are(x, pool_)) update(x);
+  }
   std::vector<const PotentialBatch*> batches(Curvature curvature) override;
   /// Factor of the energies of batches(), 1 but with BDF2; forces and energies reported are without it.
   double weight() const { return weight_; }

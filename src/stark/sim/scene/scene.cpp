@@ -153,11 +153,10 @@ size_t Scene::at_index(BodyId body) const {
 }
 
 BodyId Scene::find(std::string_view name) const {
+  const auto found = std::ranges::find(bodies_, name, &Body::name);
+  if (found != bodies_.end()) return {static_cast<int32_t>(found - bodies_.begin())};
   std::vector<std::string> known;
-  for (int32_t i = 0; i < body_count(); ++i) {
-    if (bodies_[i].name == name) return {i};
-    known.push_back(bodies_[i].name);
-  }
+  for (const Body& body : bodies_) known.push_back(body.name);
   throw InvalidArgument("unknown body '" + std::string(name) + "'" + nearest_name_hint(name, known) +
                         ": must be the name of a body of the scene, which has " +
                         std::to_string(body_count()));

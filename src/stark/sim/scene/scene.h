@@ -389,7 +389,7 @@ class Scene {
   std::vector<SkinDescription> skins_;
   std::vector<FibresDescription> fibres_;
   Names body_names_, layer_names_;  // names of layers are among those of bodies too
-  Names energy_names_, joint_names_, attachment_names_;
+  Names energy_names_, joint_names_, actuator_names_, attachment_names_;
   std::map<Pair, FrictionCoefficient> friction_;  // frame: the body that was named first
   std::map<Pair, double> restitution_;
   std::map<int32_t, std::vector<Vec3>> surface_directions_;

@@ -71,14 +71,9 @@ ActuatorId Scene::add_actuator(ActuatorDescription actuator) {
     throw InvalidArgument(
         "actuator '" + actuator.name +
         "': has no definition; take one with find_actuator or make one with define_actuator");
-  const auto taken = [&](const std::string& name) {
-    return std::any_of(actuators_.begin(), actuators_.end(), [&](const auto& a) { return a.name == name; });
-  };
   if (actuator.name.empty()) {
-    actuator.name = actuator.definition->name;
-    for (int i = 2; taken(actuator.name); ++i)
-      actuator.name = actuator.definition->name + "_" + std::to_string(i);
-  } else if (taken(actuator.name)) {
+    actuator.name = actuator_names_.next(actuator.definition->name);
+  } else if (actuator_names_.contains(actuator.name)) {
     throw InvalidArgument(
         "actuator '" + actuator.name +
         "': the name is taken: names of actuators must be unique in a scene; choose another "
@@ -94,6 +89,7 @@ ActuatorId Scene::add_actuator(ActuatorDescription actuator) {
     units.push_back(resolve(owner, joint(coordinate.joint), coordinate));
   check_values(owner, actuator_parameters(*actuator.definition, units), actuator.values);
   check_order(owner, *actuator.definition, actuator.values);
+  actuator_names_.add(actuator.name);
   actuators_.push_back(std::move(actuator));
   return {static_cast<int32_t>(actuators_.size()) - 1};
 }

@@ -160,7 +160,10 @@ std::optional<double> StepRunner::next_attempt(double h) {
   ++report_.rejected_steps;
   const bool is_last = is_shortest(h);
   if (contact_ && is_stuck(status) && (is_last || report_.rejected_steps >= kAttemptsBeforeRaise)) {
-    LoadMemory raised = contact_->raised_load(potential_.site_positions(), step_start_, load_of(state_));
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    const double kinetic = has_inertia(settings_.time.integrator) ? energies_before_.kinetic : kAny;
+    LoadMemory raised =
+        contact_->raised_load(potential_.site_positions(), step_start_, load_of(state_), kinetic);
     const bool is_raised = raised.bodies != load_.bodies || raised.factor != load_.factor;
     load_ = std::move(raised);
     const bool is_repeated = is_raised && is_last && status == SolveStatus::LineSearchFailed;
