@@ -51,8 +51,8 @@ struct CandidateSearch::Implementation {
   std::shared_ptr<const EdgeRanges> edge_ranges{};
   std::vector<double> separation{};  ///< by group [m]
   CandidateList found{}, found_distant{};
-  std::vector<double> swept_reach_{};  ///< of the last swept_reach() [m]
-  std::vector<Vec3> part_end{};        ///< of the last end_of_part() [m]
+  std::vector<double> way_reach{};  ///< of the last find_way_reach() [m]
+  std::vector<Vec3> part_end{};     ///< of the last end_of_part() [m]
   std::vector<uint8_t> moved{}, moved_in_trial{};
   ContactCounters counters{};
 
@@ -82,8 +82,8 @@ struct CandidateSearch::Implementation {
                                    std::span<const double> group_separation);
   /// How far boxes are enlarged for a way, by group [m]: those of what rests as for lists, so that its tree
   /// serves both.
-  std::span<const double> swept_reach(std::span<const Vec3> x0, std::span<const Vec3> x1,
-                                      std::span<const double> group_separation);
+  std::span<const double> find_way_reach(std::span<const Vec3> x0, std::span<const Vec3> x1,
+                                         std::span<const double> group_separation);
   /// Where a part of the way from x0 to x1 ends [m].
   std::span<const Vec3> end_of_part(std::span<const Vec3> x0, std::span<const Vec3> x1, double part);
 };
@@ -262,20 +262,20 @@ const CandidateList* CandidateSearch::Implementation::find_others(std::span<cons
   const PhaseTimer::Scope scope(timer, Phase::BroadPhase);
   counters.sites += current.x.empty() ? mark(current, x0, moved)
                                       : margins.mark_leaving(current.margin, current.x, x0, x1, moved);
-  broad_phase.find_swept(x0, x1, swept_reach(x0, x1, group_separation), pool, found, moved);
+  broad_phase.find_swept(x0, x1, find_way_reach(x0, x1, group_separation), pool, found, moved);
   ++counters.swept_builds;
   return &found;
 }
 
-std::span<const double> CandidateSearch::Implementation::swept_reach(
+std::span<const double> CandidateSearch::Implementation::find_way_reach(
     std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_separation) {
-  swept_reach_.assign(group_separation.begin(), group_separation.end());
-  for (size_t group = 0; group < swept_reach_.size(); ++group) {
+  way_reach.assign(group_separation.begin(), group_separation.end());
+  for (size_t group = 0; group < way_reach.size(); ++group) {
     const GroupFrame* frame = mesh().frame_of(static_cast<int32_t>(group));
     const auto rests = [&](int32_t site) { return x0[site] == x1[site]; };
-    if (frame != nullptr && std::ranges::all_of(frame->sites, rests)) swept_reach_[group] = reach[group];
+    if (frame != nullptr && std::ranges::all_of(frame->sites, rests)) way_reach[group] = reach[group];
   }
-  return swept_reach_;
+  return way_reach;
 }
 
 std::span<const Vec3> CandidateSearch::Implementation::end_of_part(std::span<const Vec3> x0,

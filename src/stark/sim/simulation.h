@@ -296,7 +296,8 @@ class Simulation {
   void forget_last_step();
   double scene_size() const;  ///< [m] diagonal of a box around all bodies
   double checked_duration(const std::string& owner, std::optional<double> duration) const;
-  const ContactReadings::Found& contact_readings() const;
+  /// Null before the first step, after set_state() and without contact.
+  const ContactReadings::Found* contact_readings() const;
   const ModelBody& rigid(BodyId body, const char* what) const;
   const ModelBody& rod(BodyId body) const;
 

@@ -8,13 +8,15 @@
 
 namespace stark {
 
-const ContactReadings::Found& Simulation::contact_readings() const {
-  return contact_readings_->get(state_, *contact_, scene_.body_count(), [&] { return site_positions(); });
+const ContactReadings::Found* Simulation::contact_readings() const {
+  if (!contact_ || step_start_.empty()) return nullptr;
+  return &contact_readings_->get(state_, *contact_, scene_.body_count(), [&] { return site_positions(); });
 }
 
 const std::vector<ContactForce>& Simulation::contacts() const {
   static const std::vector<ContactForce> none;
-  return contact_ && !step_start_.empty() ? contact_readings().contacts : none;
+  const ContactReadings::Found* found = contact_readings();
+  return found != nullptr ? found->contacts : none;
 }
 
 ClosestPoints Simulation::closest_points(BodyId a, BodyId b) {
@@ -31,10 +33,10 @@ ClosestPoints Simulation::closest_points(BodyId a, BodyId b) {
 Vec3 Simulation::contact_force(BodyId body) const {
   scene_.name(body);  // throws for ids of another scene
   Vec3 sum;
-  if (contacts().empty()) return sum;
-  const ContactReadings::Found& found = contact_readings();
-  for (const int32_t c : found.of_body[body.index]) {
-    const ContactForce& entry = found.contacts[c];
+  const ContactReadings::Found* found = contact_readings();
+  if (found == nullptr) return sum;
+  for (const int32_t c : found->of_body[body.index]) {
+    const ContactForce& entry = found->contacts[c];
     if (entry.contact.group_a == entry.contact.group_b) continue;  // its own, which cancel
     if (entry.contact.group_a == body.index) sum += entry.normal_force + entry.friction;
     if (entry.contact.group_b == body.index) sum -= entry.normal_force + entry.friction;
@@ -77,10 +79,10 @@ std::vector<Vec3> Simulation::vertex_contact_forces(BodyId body) const {
   scene_.name(body);
   const ModelBody& of = model().bodies()[body.index];
   std::vector<Vec3> forces(of.site_count);
-  if (contacts().empty()) return forces;
-  const ContactReadings::Found& found = contact_readings();
-  for (const int32_t c : found.of_body[body.index]) {
-    const ContactForce& entry = found.contacts[c];
+  const ContactReadings::Found* found = contact_readings();
+  if (found == nullptr) return forces;
+  for (const int32_t c : found->of_body[body.index]) {
+    const ContactForce& entry = found->contacts[c];
     const Contact& contact = entry.contact;
     const bool is_beside = entry.friction_at.point_count > 0;
     for (int p = 0; p < contact.point_count; ++p) {
@@ -89,7 +91,7 @@ std::vector<Vec3> Simulation::vertex_contact_forces(BodyId body) const {
         forces[contact.sites[p] - of.first_site] +=
             (is_beside ? entry.normal_force : entry.normal_force + entry.friction) * contact.weights[p];
     }
-    if (is_beside) add_friction(model(), body.index, entry, found.x, forces);
+    if (is_beside) add_friction(model(), body.index, entry, found->x, forces);
   }
   return forces;
 }

@@ -101,23 +101,14 @@ std::set<Scene::Pair> Scene::pairs_kept_apart() const {
 }
 
 bool Scene::contact_enabled(BodyId a, BodyId b) const {
-  return contact_possible(a, b) && !is_kept_apart(a, b);
+  return contact_possible(a, b) && (a == b || !pairs_kept_apart().contains(ordered(a, b)));
 }
 
 bool Scene::meeting_matters(BodyId a, BodyId b) const {
   const bool are_prescribed = motion(a) != Motion::Dynamic && motion(b) != Motion::Dynamic;
   const bool moves = motion(a) == Motion::Scripted || motion(b) == Motion::Scripted;
   return a != b && are_prescribed && moves && !contact_disabled_.contains(ordered(a, b)) &&
-         !is_kept_apart(a, b);
-}
-
-bool Scene::is_kept_apart(BodyId a, BodyId b) const {
-  const std::set<int32_t> bodies{a.index, b.index};
-  const auto keeps_apart = [&](const auto& connection) {
-    return !connection.contact && connected_bodies(connection) == bodies;
-  };
-  return bodies.size() == 2 &&
-         (std::ranges::any_of(joints_, keeps_apart) || std::ranges::any_of(attachments_, keeps_apart));
+         !pairs_kept_apart().contains(ordered(a, b));
 }
 
 bool Scene::is_filled(BodyId body) const {

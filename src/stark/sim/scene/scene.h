@@ -175,6 +175,9 @@ struct Pins {
 
 class Scene {
  public:
+  /// Numbers of two bodies, ascending.
+  using Pair = std::pair<int32_t, int32_t>;
+
   /// Each validates, takes a copy and returns the id. Throws InvalidArgument or InvalidMesh and leaves the
   /// scene as is.
   BodyId add_cloth(ClothDescription description);
@@ -243,7 +246,7 @@ class Scene {
   /// integrator have it. Throws InvalidArgument for deformable bodies, whose materials decide.
   void set_restitution(BodyId a, BodyId b, double coefficient);
   std::optional<double> restitution(BodyId a, BodyId b) const;
-  const std::map<std::pair<int32_t, int32_t>, double>& restitutions() const { return restitution_; }
+  const std::map<Pair, double>& restitutions() const { return restitution_; }
   bool has_restitution() const { return !restitution_.empty(); }
   /// Direction of the surface of a body: one vector, or one for each triangle, in the frame of the body. Its
   /// part in the plane of a triangle counts, not its length nor its sign, and it is carried along with the
@@ -281,8 +284,6 @@ class Scene {
   /// Of each body of a with each other one of b.
   void disable_contacts(const std::vector<BodyId>& a, const std::vector<BodyId>& b);
   void enable_contacts(const std::vector<BodyId>& a, const std::vector<BodyId>& b);
-  /// Numbers of two bodies, ascending.
-  using Pair = std::pair<int32_t, int32_t>;
   const std::set<Pair>& pairs_without_contact() const { return contact_disabled_; }
   /// Those that joints and attachments without contact connect.
   std::set<Pair> pairs_kept_apart() const;
@@ -374,8 +375,6 @@ class Scene {
   void check_frame(const std::string& owner, const FrameDescription& frame) const;
   Pair ordered(BodyId a, BodyId b) const;
   bool has_surface_direction(BodyId body) const;
-  /// By a joint or an attachment without contact.
-  bool is_kept_apart(BodyId a, BodyId b) const;
 
   std::vector<Body> bodies_;
 #define STARK_BODY_KIND(Kind, name) std::vector<Kind##Description> name##s_;

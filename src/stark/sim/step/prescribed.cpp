@@ -23,12 +23,6 @@ constexpr double kRise = 0.03;
 
 using Box = PrescribedBodies::Box;
 
-Box merged(Box a, const Box& b) {
-  a.add(b.low);
-  a.add(b.high);
-  return a;
-}
-
 Box common(const Box& a, const Box& b) {
   Box box;
   for (int k = 0; k < 3; ++k)
@@ -89,7 +83,7 @@ std::vector<PrescribedBodies::Pair> PrescribedBodies::find_meetings(std::span<co
     body.touch = kTouch * body.place.size();
     body.rests = rests(body.sites, start, end);
     if (body.rests) continue;
-    body.way = merged(body.way, box_of(body.sites, start));
+    for (const int32_t site : body.sites) body.way.add(start[site]);
     body.way.enlarge(kRise * body.way.size());
   }
   std::vector<int32_t> order(bodies_.size());
