@@ -18,7 +18,7 @@ using symbolic::Scalar;
 
 std::optional<TracedScalar> to_traced(nb::handle object) {
   TracedScalar* traced = nullptr;
-  if (nb::try_cast(object, traced, false)) return *traced;
+  if (nb::try_cast(object, traced, false) && traced != nullptr) return *traced;
   // NumPy's scalars and arrays without dimensions have a shape; arrays with dimensions are not scalars.
   const bool number = PyFloat_Check(object.ptr()) || PyLong_Check(object.ptr());
   if (!number) {

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 namespace stark {
 
 namespace {
 
-/// -b'(r) of b = -(r - 1)^2 ln r.
-double slope(double r) { return 2.0 * (r - 1.0) * std::log(r) + (1.0 - r) * (1.0 - r) / r; }
-
-/// |b'(1/2)| = ln 2 + 1/2.
-const double kMiddleSlope = slope(0.5);
+/// |b'(1/2)| of b = -(r - 1)^2 ln r.
+constexpr double kMiddleSlope = std::numbers::ln2 + 0.5;
 
 /// Part of the contact distance at which the largest lasting pressure is carried.
 constexpr double kLoadedGap = 0.1;
@@ -41,7 +39,11 @@ int64_t area_code(const Contact& contact) {
 
 }  // namespace
 
-double relative_pressure(double r) { return r < 1.0 ? slope(r) / kMiddleSlope : 0.0; }
+double barrier_slope(double r) {
+  return r < 1.0 ? 2.0 * (r - 1.0) * std::log(r) + (1.0 - r) * (1.0 - r) / r : 0.0;
+}
+
+double relative_pressure(double r) { return barrier_slope(r) / kMiddleSlope; }
 
 ContactLaw::ContactLaw(AreaWeights areas, std::vector<BodyStiffness> bodies, std::vector<double> distance)
     : areas_(std::move(areas)), bodies_(std::move(bodies)), distance_(std::move(distance)) {}
@@ -49,6 +51,7 @@ ContactLaw::ContactLaw(AreaWeights areas, std::vector<BodyStiffness> bodies, std
 void ContactLaw::begin_step(LoadMemory memory, std::map<int64_t, SpentLayer> spent) {
   memory_ = std::move(memory);
   spent_ = std::move(spent);
+  relief_.begin();
   left_.clear();
   frozen_.clear();
 }
@@ -113,7 +116,7 @@ void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, Thread
     for (Contact& contact : std::span(contacts).subspan(begin, end - begin)) {
       if (const int64_t code = code_of(contact); code != bodies) {
         bodies = code;
-        pressure = this->pressure(contact.group_a, contact.group_b) * memory_.find(code);
+        pressure = this->pressure(contact.group_a, contact.group_b) * factor(code);
       }
       const double area = areas_.is_directed(contact) ? frozen_.at(area_code(contact))
                                                       : areas_.area(mesh, contact, Vec3{}, x);
@@ -127,15 +130,23 @@ std::map<int64_t, double> ContactLaw::wanted(const std::vector<Contact>& contact
                                              std::span<const Vec3> forces, bool as_left) const {
   std::map<int64_t, double> wanted;
   for (const int64_t bodies : memory_.bodies) wanted[bodies] = 0.0;
-  const double loaded = slope(kLoadedGap);
+  const double loaded = barrier_slope(kLoadedGap);
   for (size_t c = 0; c < contacts.size(); ++c) {
     if (!(contacts[c].stiffness > 0.0)) continue;
+    const int64_t code = code_of(contacts[c]);
     const double part = as_left ? 1.0 : left(contacts[c]);
-    const double natural = contacts[c].stiffness / (memory_.find(code_of(contacts[c])) * part);
-    double& largest = wanted[code_of(contacts[c])];
+    const double natural = contacts[c].stiffness / (factor(code) * part);
+    double& largest = wanted[code];
     largest = std::max(largest, norm(forces[c]) / (loaded * contacts[c].contact_distance * natural));
   }
   return wanted;
+}
+
+void ContactLaw::relieve(const std::vector<Contact>& contacts, std::span<const Vec3> forces) {
+  relief_.stiffen(contacts, forces, [&](int64_t bodies) {
+    const auto [a, b] = groups_of_code(bodies);
+    return !is_given(a, b);
+  });
 }
 
 LoadMemory ContactLaw::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
@@ -158,7 +169,7 @@ std::map<int64_t, double> ContactLaw::highest_factors(const std::vector<Contact>
   double total = 0.0;              // with those of the step before [J]
   for (size_t c = 0; c < contacts.size(); ++c) {
     const int64_t code = code_of(contacts[c]);
-    const double energy = energies[c] / memory_.find(code);
+    const double energy = energies[c] / factor(code);
     each[code] += energy;
     total += energy / left(contacts[c]) * before.find(code);
   }

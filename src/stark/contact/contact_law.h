@@ -17,6 +17,7 @@
 #include <vector>
 
 #include <stark/contact/area_weights.h>
+#include <stark/contact/contact_relief.h>
 #include <stark/contact/contact_set.h>
 #include <stark/contact/load_memory.h>
 
@@ -36,6 +37,8 @@ struct SpentLayer {
 
 /// -b'(r) / -b'(1/2) of the barrier on the unit interval: pressure over contact stiffness at the gap r d.
 double relative_pressure(double r);
+/// -b'(r): force of a contact over its stiffness and contact distance at the gap r d.
+double barrier_slope(double r);
 
 class ContactLaw {
  public:
@@ -52,6 +55,10 @@ class ContactLaw {
               std::vector<Contact>& contacts);
 
   const AreaWeights& areas() const { return areas_; }
+  ContactRelief& relief() { return relief_; }
+  const ContactRelief& relief() const { return relief_; }
+  /// Stiffens contact for the rest of the step, see ContactRelief; laws of users stay as they are.
+  void relieve(const std::vector<Contact>& contacts, std::span<const Vec3> forces);
   /// Pressure at half of the contact distance of two bodies, without the factor of their load [Pa].
   double pressure(int32_t group_a, int32_t group_b) const;
   /// Whether it is that of a user.
@@ -93,7 +100,11 @@ class ContactLaw {
   AreaWeights areas_;
   std::vector<BodyStiffness> bodies_;
   std::vector<double> distance_;
+  /// Factor of the stiffness of contact between two bodies, beside what an impact has spent.
+  double factor(int64_t bodies) const { return memory_.find(bodies) * relief_.factor(bodies); }
+
   LoadMemory memory_;
+  ContactRelief relief_;
   std::map<int64_t, SpentLayer> spent_;
   std::map<int64_t, double> left_;              ///< of contacts of bodies in spent_, as frozen_
   std::unordered_map<int64_t, double> frozen_;  ///< areas of pairs of edges, or of a vertex and a body [m^2]

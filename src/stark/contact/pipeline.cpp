@@ -133,6 +133,7 @@ void ContactPipeline::begin_step(const SitePositions& positions, const VelocityR
   friction_.set_surface_motions(reference.surface_velocity, reference.surface_spin);
   set_close_bodies(std::move(memory.close));
   restitution_.begin_step(std::move(memory.restitution), x, reference.motion);
+  is_relief_allowed_ = false;
   law_.begin_step(std::move(memory.load), restitution_.spent());
   geometry_.has_least_distance = is_bound_;
   forget_sets();
@@ -198,15 +199,6 @@ ContactMemory ContactPipeline::end_step(const SitePositions& positions, double d
   memory.close = parted(x);
   memory.restitution = std::move(restitution);
   return memory;
-}
-
-LoadMemory ContactPipeline::raised_load(std::span<const Vec3> x, std::span<const Vec3> start,
-                                        const LoadMemory& before, double kinetic) {
-  settle(start);
-  const std::map<int64_t, double> most =
-      law_.highest_factors(contacts(), active_.energies(), before, kinetic);
-  settle(x);
-  return law_.raised(contacts(), forces(x), most);
 }
 
 bool ContactPipeline::is_name(const PairKey& key) const {

@@ -110,6 +110,12 @@ class ContactPipeline final : public ActiveSet {
   /// kinetic: energy of what moves [J], which bounds what this adds to that of contact.
   LoadMemory raised_load(std::span<const Vec3> x, std::span<const Vec3> start, const LoadMemory& before,
                          double kinetic);
+  /// Lets contact give way in this step, see ContactRelief; most: what that may add to the energy at its
+  /// start, where the last update() was [J].
+  void allow_relief(double most);
+  /// What it has added [J].
+  double relief_energy() const { return law_.relief().added() / weight_; }
+  bool relieve(const SitePositions& x) override;
   /// Largest difference between a friction limit that the step was solved with and mu times the normal force
   /// at its end [N].
   double friction_residual() const { return friction_residual_; }
@@ -227,6 +233,7 @@ class ContactPipeline final : public ActiveSet {
   HeldPositions x_active_, x_trial_;  ///< of the last update(), of the last energy_difference()
   /// Nothing but x decides what the next one gives; of is_near_ nothing but x and the names.
   bool is_active_ = false, is_trial_ = false, is_near_ = false;
+  bool is_relief_allowed_ = false;
   uint64_t revision_ = 1;
   double duration_ = 0.0, weight_ = 1.0;
   double friction_residual_ = 0.0;

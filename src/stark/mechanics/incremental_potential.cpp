@@ -350,6 +350,12 @@ void IncrementalPotential::refresh_early(Lagged lagged) {
   if (active_set_) active_set_->refresh_early(known(x_), lagged);
 }
 
+bool IncrementalPotential::relieve() {
+  if (!active_set_ || !active_set_->relieve(known(x_))) return false;
+  settled_.reset();  // of other energies
+  return true;
+}
+
 bool IncrementalPotential::restore_settled() {
   if (!settled_) return false;
   iterate_ = *settled_;

@@ -24,6 +24,8 @@ constexpr double kUnbent = 0.95;  ///< part of what the model promises that a st
 constexpr double kSmallestPower =
     3.0;                          ///< of the length, with which what contact raises the energy by shrinks
 constexpr int kMostHalvings = 4;  ///< at once
+constexpr double kHeld = 0.05;    ///< bound of steps that collisions keep short
+constexpr int kReliefInterval = 6, kHeldForGood = 30;  ///< such steps in a row
 constexpr int kNearerTrials = 4;  ///< between such a step and the longer one that was refused
 
 }  // namespace
@@ -143,6 +145,13 @@ void NewtonSolver::step_nearer(Objective& objective, double alpha, double refuse
   if (at != best) objective.try_step(direction_, best);
   report_.last_step_length = best;
   report_.last_difference = trial.difference;
+}
+
+bool NewtonSolver::is_held_for_good(Objective& objective) {
+  progress_.held_steps = report_.last_bound < kHeld ? progress_.held_steps + 1 : 0;
+  if (progress_.held_steps == 0 || progress_.held_steps % kReliefInterval != 0) return false;
+  // The shortest time step goes on to the end.
+  return objective.relieve() && progress_.held_steps >= kHeldForGood && is_way_clear_ && looks_early_;
 }
 
 bool NewtonSolver::take_unsure_step(Objective& objective) {

@@ -62,6 +62,7 @@ class NewtonSolver {
     int early_refreshes = 0;    ///< of lagged quantities, before anything has converged
     int full_steps = 0;         ///< since the residual was halved last ...
     double halved_residual = std::numeric_limits<double>::infinity();  ///< ... to this [N]
+    int held_steps = 0;      ///< in a row that the bound has kept short
     int late_refreshes = 0;  ///< the same of all of them, in minimisations that take long
     /// Lowest residual [N] of this part of the iterations, and of the one before.
     double lowest = std::numeric_limits<double>::infinity(), lowest_before = lowest;
@@ -140,6 +141,9 @@ class NewtonSolver {
   bool is_used_up();
   /// Brings lagged quantities up to date on the way to the first solution with them.
   void refresh_early(Objective& objective);
+  /// Whether collisions keep steps short for so long that a shorter time step is the better way on; has the
+  /// objective give way on the way there.
+  bool is_held_for_good(Objective& objective);
   /// Whether full steps have not halved the residual for long.
   bool makes_no_headway();
   /// Whether refreshes keep moving the minimum to and fro.

@@ -285,9 +285,10 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
   State& s = state_;
   const DofLayout& layout = model_.map().layout();
   const TimeStencil& stencil = reference_.stencil;
-  // A step that resolves contact takes p up again: of what joints have given in an impact, what lasts.
-  const auto drop_impact = [&](Vec3& increment, int32_t block, double part, double mass) {
-    if (block != kNoBlock && !impulses.hit.empty()) increment -= impulses.hit[block] * ((1.0 - part) / mass);
+  double lasting = 1.0;  // smallest part of contact on what joints have held in an impact
+  const auto find_lasting = [&](int32_t block, double part) {
+    const bool is_hit = block != kNoBlock && !impulses.hit.empty() && !(impulses.hit[block] == Vec3{});
+    if (is_hit) lasting = std::min(lasting, part);
   };
   for (size_t p = 0; p < s.point_position.size(); ++p) {
     const Vec3 change = s.point_velocity[p] - before.point_velocity[p];
@@ -303,7 +304,7 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
     const Vec3 A = s.point_increment[p] = change - by_contact;
     const double part = smooth_part(stencil, dot(A, by_contact), squared_norm(by_contact));
     s.point_lag[p] = next_lag(stencil, s.point_lag[p], A, by_contact, part);
-    drop_impact(s.point_contact_increment[p], block, part, model_.point_masses()[p]);
+    find_lasting(block, part);
   }
   for (size_t b = 0; b < s.body_position.size(); ++b) {
     const RigidMass& mass = model_.rigid_masses()[b];
@@ -325,8 +326,24 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
     s.body_lag[b] = moves ? next_lag(stencil, s.body_lag[b], A, p, part) : Vec3{};
     s.body_spin_lag[b] = turns ? next_lag(stencil, s.body_spin_lag[b], A_spin, p_spin, part) : Vec3{};
     if (!stencil.has_smooth_contact) reference_.contact_velocity[b] = pushed + back;
-    drop_impact(s.body_contact_increment[b], layout.body_block[b], part, mass.mass);
-    drop_impact(s.body_spin_contact_increment[b], layout.rotation_block[b], part, 1.0);
+    find_lasting(layout.body_block[b], part);
+    find_lasting(layout.rotation_block[b], part);
+  }
+  if (!impulses.hit.empty()) drop_impact(impulses.hit, 1.0 - lasting);
+}
+
+// A step that resolves contact takes p up again: of what joints have given in an impact, what lasts. The
+// same part of it everywhere, so that what a joint has given its two sides still adds up to nothing.
+void StepMotion::drop_impact(std::span<const Vec3> hit, double part) {
+  const DofLayout& layout = model_.map().layout();
+  const auto drop = [&](Vec3& increment, int32_t block, double mass) {
+    if (block != kNoBlock) increment -= hit[block] * (part / mass);
+  };
+  for (size_t p = 0; p < state_.point_position.size(); ++p)
+    drop(state_.point_contact_increment[p], layout.point_block[p], model_.point_masses()[p]);
+  for (size_t b = 0; b < state_.body_position.size(); ++b) {
+    drop(state_.body_contact_increment[b], layout.body_block[b], model_.rigid_masses()[b].mass);
+    drop(state_.body_spin_contact_increment[b], layout.rotation_block[b], 1.0);
   }
 }
 

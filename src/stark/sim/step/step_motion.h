@@ -158,6 +158,8 @@ class StepMotion : private StepPart {
   Motions motions() const;
   /// Keeps what the velocities that were there `before` the step have gained, and how.
   void remember_increments(const Motions& before, const Impulses& impulses, double h);
+  /// Takes a part of the impulses of an impact on what is held out of those of contact [N s, N m s].
+  void drop_impact(std::span<const Vec3> hit, double part);
 
   /// Angular velocity of body b with rotation R and the angular momentum that it has started the step with.
   Vec3 unpushed_angular_velocity(size_t b, const Mat3& R) const;

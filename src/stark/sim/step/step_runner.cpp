@@ -32,18 +32,15 @@ constexpr int kAttemptsBeforeRaise = 2;
 /// Attempts with the shortest step that failed for contacts too soft to stop what comes, and are repeated.
 constexpr int kRepeatsOfShortest = 4;
 
+/// Part of the kinetic energy that contact may store at most by giving way to impacts.
+constexpr double kRelief = 0.01;
+
 /// Delay with which contact follows the loads that last [s], and that of quasistatic steps, which have no
 /// time.
 constexpr double kLoadTime = 0.1, kQuasistaticLoad = 4.0;
 
 LoadMemory load_of(const State& state) {
   return {state.contact_bodies, state.contact_factor, state.contact_trial, state.contact_trial_age};
-}
-
-/// Newton's method came to no end, as where an impact has pressed a contact to next to nothing.
-bool is_stuck(SolveStatus status) {
-  return status == SolveStatus::MaxIterations || status == SolveStatus::LineSearchFailed ||
-         status == SolveStatus::Blocked;
 }
 
 void add_counters(SolveReport& total, const SolveReport& attempt) {
@@ -202,6 +199,7 @@ void StepRunner::accept(double h, bool is_cut) {
   ++state_.step_count;
   {
     const PhaseTimer::Scope scope(timer_, Phase::Commit);
+    if (contact_) energies_before_.contact += contact_->relief_energy();
     report_.energy = ledger_.balance(energies_before_, coordinates_before_);
     report_.energy.placed = placing_.placed().energy;
     report_.placed = placing_.placed().bodies;
@@ -343,6 +341,8 @@ bool StepRunner::attempt(double h, SolveReport& total) {
                           watch_.close(),
                           motion_.restitution_memory()});
     energies_before_.contact = contact_->energy();
+    if (!is_driven && has_inertia(settings_.time.integrator))
+      contact_->allow_relief(kRelief * energies_before_.kinetic);
   }
   // Friction is not worth refreshing in a motion that will be thrown away.
   // Why the shortest step fails is seen best where Newton's method comes to its end.
