@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from stark._core import InvalidArgument
@@ -25,8 +25,10 @@ from stark.formulas.handle import RESERVED
 from stark.formulas.inspection import benchmark
 from stark.formulas.internal import refuse_internal
 from stark.formulas.kinematics import Point, Stencil
+from stark.formulas.tracing import Trace
 from stark.handle import Waiting
 from stark.overloads import overload
+from stark.symbolic.errors import formula_error
 from stark.symbolic.tensor import Scalar, Tensor
 
 
@@ -53,6 +55,19 @@ class EnergyFormula(RecordedEnergy):
         """Nanoseconds per element for "value", "gradient" and "hessian" on one thread, measured on the points
         and values given as in a call."""
         return self._bound(args, kwargs).benchmark()
+
+    def trace(self, frames: Sequence[str] = (), spanning: Sequence[str] = ()) -> Trace:
+        """As RecordedEnergy.trace; refuses totals whose names the handle has for something else."""
+        recorded = super().trace(frames, spanning)
+        taken = RESERVED.union(parameter.name for parameter in self.parameters)
+        for name in recorded.totals.names if recorded.totals else ():
+            if name in taken:
+                raise formula_error(
+                    self.name,
+                    f"a total must not be called '{name}', a name that is taken; choose another name",
+                    self.function,
+                )
+        return recorded
 
     def _bound(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Binding:
         bound: Binding = args[0] if len(args) == 1 and isinstance(args[0], Binding) else self(*args, **kwargs)

@@ -358,7 +358,7 @@ def function(
     bits."""
     if f is None:
         return functools.partial(function, backend=backend)
-    name = f.__name__
+    name = getattr(f, "__name__", "function")
     outer = dict(sys._getframe(1).f_locals)
     signature, shapes = read_signature(f, name, outer)
 

@@ -100,7 +100,7 @@ def total(x: object, name: str | None = None) -> Any:
     handle of the energy has the sum under its name. For formulas of ``stark.energy`` alone."""
     result = elementwise(core.total, "total", x)
     if name is not None:
-        if not name.isidentifier() or name.startswith("_"):
+        if not isinstance(name, str) or not name.isidentifier() or name.startswith("_"):
             raise TraceError(f"total: the name {name!r}: must be one that an attribute can have")
         entries = result.entries if isinstance(result, Tensor) else [result]
         for k, entry in enumerate(entries):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args, get_origi
 
 import numpy as np
 
-from stark._core import TraceError
+from stark._core import InvalidArgument, TraceError
 from stark._core import symbolic as core
 from stark.symbolic.errors import formula_error
 from stark.symbolic.tensor import Mat, Scalar, Vec, from_shape
@@ -86,7 +86,10 @@ def evaluated_signature(
     function: Callable[..., object], outer: Mapping[str, object], read: Callable[[Any], Any] = lambda a: a
 ) -> inspect.Signature:
     """The signature of a function with evaluated annotations. `outer` has the names that annotations may use
-    besides globals; `read` is applied to annotations that are left. Raises NameError and TraceError."""
+    besides globals; `read` is applied to annotations that are left. Raises NameError and TraceError;
+    InvalidArgument if it is no function, as in @stark.energy("name")."""
+    if not inspect.isroutine(function):
+        raise InvalidArgument(f"got {function!r}: must be a function; write the decorator above a def")
     signature = inspect.signature(function, eval_str=True, locals=outer)
     return signature.replace(
         parameters=[

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Annotated, Any
 
 import numpy as np
@@ -62,6 +63,15 @@ def test_arguments_that_cannot_be_read_are_refused(arguments: str, message: str)
     exec(f"from __future__ import annotations\ndef sample({arguments}): ...", names)
     with pytest.raises(stark.TraceError, match=message):
         read(names["sample"])
+
+
+@pytest.mark.parametrize("what", [3, "magnet", dict, functools.partial(max, 1)])
+@pytest.mark.parametrize(
+    "decorator", [stark.energy, stark.joint, stark.actuator, stark.material, stark.symbolic.function]
+)
+def test_decorators_of_anything_but_functions_say_so(decorator: Any, what: object) -> None:
+    with pytest.raises(stark.InvalidArgument, match="must be a function; write the decorator above a def"):
+        decorator(what)
 
 
 def test_time_and_time_step_are_those_of_the_step() -> None:

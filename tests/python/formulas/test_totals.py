@@ -228,9 +228,27 @@ def twice(e: stark.Edge):
     return stark.total(e.length, "a") * stark.total(e.rest_length, "a")
 
 
+@stark.energy
+def hidden_reading(e: stark.Edge):
+    return stark.total(e.length, "forces") ** 2
+
+
+@stark.energy
+def hidden_parameter(e: stark.Edge, rest: float = 0.1):
+    return (stark.total(e.length, "rest") - rest) ** 2
+
+
+@stark.energy
+def numbered(e: stark.Edge):
+    return stark.total(e.length, 3) ** 2
+
+
 @pytest.mark.parametrize(
     ("formula", "message"),
     [
+        (hidden_reading, "a total must not be called 'forces', a name that is taken"),
+        (hidden_parameter, "a total must not be called 'rest', a name that is taken"),
+        (numbered, "total: the name 3: must be one that an attribute can have"),
         (outside, r"e\[.\].x\[.\] occurs outside of stark.total"),
         (nested, "a total is within another"),
         (twice, "two totals have the name 'a'"),
