@@ -62,13 +62,13 @@ def direction(value: str | ArrayLike, name: str) -> NDArray[np.float64]:
     return result
 
 
-def check_places(places: NDArray[np.float64], name: str) -> None:
-    """That rows of positions (n, 3) [m] are finite and not beyond what can be computed with."""
+def check_places(places: NDArray[np.float64], name: str, unit: str = "m") -> None:
+    """That rows (n, 3) of positions or velocities are finite and not beyond what can be computed with."""
     wrong = np.flatnonzero(~(np.abs(places) < LARGEST).all(axis=1))  # also NaN
     if wrong.size:
         raise InvalidArgument(
-            f"{name}[{wrong[0]}] = {places[wrong[0]].tolist()} m: must be finite, none beyond 1e150; check "
-            f"where it is computed"
+            f"{name}[{wrong[0]}] = {places[wrong[0]].tolist()} {unit}: must be finite, none beyond 1e150; "
+            f"check where it is computed"
         )
 
 

@@ -87,3 +87,11 @@ def test_what_ends_a_run_is_a_function(sim: stark.Simulation) -> None:
         sim.run_until(np.inf)
     assert sim.time == 0.0
     assert sim.run_until(np.inf, lambda: sim.time > 0.0) is not None
+
+
+def test_messages_about_velocities_of_vertices_have_their_unit(sim: stark.Simulation) -> None:
+    wrong = np.full_like(sim["sheet"].velocities, np.nan)
+    with pytest.raises(
+        stark.InvalidArgument, match=r"velocities\[0\] = \[nan, nan, nan\] m/s: must be finite"
+    ):
+        sim["sheet"].velocities = wrong

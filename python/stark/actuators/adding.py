@@ -35,8 +35,6 @@ def add_actuator(
     owner = f"actuator '{given_name(name) or formula.name}'"
     targets = [_target(scene, owner, entry) for entry in _entries(owner, on)]
     _check_names(owner, formula, values)
-    if enabled is True and not isinstance(kind, ActuatorFormula):
-        _warn_of_another(kind, targets)
     index = scene._core.add_actuator(
         {
             "name": given_name(name),
@@ -50,18 +48,20 @@ def add_actuator(
     )
     actuator = Actuator(scene, index, formula, tuple(_located(*target) for target in targets))
     set_courses("actuator", actuator, values)
+    if enabled is True and not isinstance(kind, ActuatorFormula):
+        _warn_of_another(kind, actuator)
     return actuator
 
 
-def _warn_of_another(kind: str, targets: list[tuple[Joint, str]]) -> None:
+def _warn_of_another(kind: str, added: Actuator) -> None:
     """Of a second servo or motor on the same coordinate: whoever adds it wants other gains or another target
     more often than both at once."""
     if kind not in _DRIVES:
         return
-    joint, name = targets[0]
-    coordinate = _located(joint, name)[1]
+    joint, coordinate = added.coordinates[0]
     for other in joint.actuators:
-        if other.kind == kind and other.coordinates[0][1] == coordinate and other.enabled:
+        is_another = other._index != added._index and other.kind == kind
+        if is_another and other.coordinates[0][1] == coordinate and other.enabled:
             word, values = _DRIVES[kind]
             warn(
                 f"joint '{joint.name}': '{other.name}' is a {word} on its {coordinate} already: both act, "

@@ -79,7 +79,7 @@ class DeformableBody(Body, RestState):
                 f"'{self.name}': {what} has the shape {array.shape}: must be ({count}, 3), a row for each "
                 f"vertex of the mesh"
             )
-        check_places(array, f"'{self.name}': {what}")
+        check_places(array, f"'{self.name}': {what}", "m/s" if what == "velocities" else "m")
         return np.ascontiguousarray(array)
 
     @property

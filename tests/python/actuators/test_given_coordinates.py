@@ -51,3 +51,21 @@ def test_coordinates_by_name_and_left_out() -> None:
     gear = first.add_gear(second, ratio=2.0, coordinate="angle")
     assert [name for _, name in gear.coordinates] == ["angle", "angle"]
     assert first.add_effort(1.0, coordinate="angle").coordinates == first.add_effort(1.0).coordinates
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        lambda joint, **options: joint.add_motor(1.0, cap=1.0, delta=1.0, **options),
+        lambda joint, **options: joint.add_servo(1.0, stiffness=1.0, damping=1.0, cap=1.0, **options),
+    ],
+)
+def test_drives_of_coordinates_that_a_joint_lacks_are_refused(drive: Any) -> None:
+    """The search for a second drive on the same coordinate raised an AssertionError."""
+    scene, first, _ = hinges()
+    ball = scene.add_ball(None, scene.bodies[0], anchor=(0, 0, 0))
+    with pytest.raises(stark.InvalidArgument, match="has no coordinate 'displacement'"):
+        drive(first, coordinate="displacement")
+    with pytest.raises(stark.InvalidArgument, match="has no coordinate to act on"):
+        drive(ball)
+    assert not scene.actuators
