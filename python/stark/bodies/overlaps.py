@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,7 @@ def overlapping(scene: Any, bodies: Sequence[Body]) -> list[tuple[Body, Body]]:
     surface = np.concatenate(triangles).astype(np.int32)
     sides = np.sort(surface[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     edges = np.unique(sides, axis=0)
-    apart = _without_contact(scene, parts)
+    apart = _without_contact(scene, parts, x)
     found = _core.CollisionScene(group, edges, surface, excluded_pairs=apart)
     where = np.concatenate(x)
     met = found.find_intersections(where)
@@ -47,11 +46,22 @@ def _is_filled(scene: Any, body: Body) -> bool:
     return bool(scene._core.is_filled(body._index))
 
 
-def _without_contact(scene: Any, parts: Sequence[Body]) -> np.ndarray:
-    """Pairs of places in ``parts`` to be left out, bodies with themselves among them (n, 2)."""
-    left_out = {(k, k) for k in range(len(parts))}
+def _without_contact(scene: Any, parts: Sequence[Body], x: Sequence[np.ndarray]) -> np.ndarray:
+    """Pairs of places in ``parts``, of which bodies are near each other, to be left out, bodies with
+    themselves among them (n, 2)."""
+    left_out = [(k, k) for k in range(len(parts))]
     resting = [getattr(body, "motion", "dynamic") != "dynamic" for body in parts]
-    for a, b in itertools.combinations(range(len(parts)), 2):
+    for a, b in _near(x):
         if (resting[a] and resting[b]) or not scene.contact_enabled(parts[a], parts[b]):
-            left_out.add((a, b))
+            left_out.append((a, b))
     return np.array(sorted(left_out), dtype=np.int32)
+
+
+def _near(x: Sequence[np.ndarray]) -> Iterator[tuple[int, int]]:
+    """Pairs of bodies whose bounding boxes overlap or touch, the first one before the other."""
+    low = np.array([rows.min(axis=0) for rows in x])
+    high = np.array([rows.max(axis=0) for rows in x])
+    for a in range(len(x) - 1):
+        meets = ((low[a] <= high[a + 1 :]) & (low[a + 1 :] <= high[a])).all(axis=1)
+        for b in np.flatnonzero(meets).tolist():
+            yield a, a + 1 + b

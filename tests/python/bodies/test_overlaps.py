@@ -67,6 +67,25 @@ def test_pairs_without_contact_are_left_as_they_are() -> None:
     stark.Simulation(scene, gravity=(0, 0, 0))
 
 
+def test_bodies_far_from_each_other_are_not_asked_about(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All pairs of 1,000 boxes took half a minute. Here 60 boxes have 1,770 pairs, of which two are in each
+    other."""
+    scene = stark.Scene()
+    places = [(0.1 * k, 0.0, 0.0) for k in range(59)] + [(0.03, 0.0, 0.01)]
+    for k, place in enumerate(places):
+        scene.add_box(0.05, mass=0.1, position=place, name=f"box {k}")
+    asked: list[tuple[str, str]] = []
+    enabled = stark.Scene.contact_enabled
+
+    def counted(self: stark.Scene, a: Any, b: Any) -> bool:
+        asked.append((a.name, b.name))
+        return enabled(self, a, b)
+
+    monkeypatch.setattr(stark.Scene, "contact_enabled", counted)
+    assert names(scene.disable_overlapping()) == [("box 0", "box 59")]
+    assert asked == [("box 0", "box 59")]
+
+
 def test_after_a_simulation_it_is_too_late() -> None:
     scene = stark.Scene()
     scene.add_box(0.1, mass=1.0)
