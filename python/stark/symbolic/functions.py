@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeVar
 from stark._core import TraceError
 from stark._core import symbolic as core
 from stark.overloads import overload
-from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, elementwise, from_shape
+from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, elementwise, from_shape, is_scalar_like
 
 _Tensor = TypeVar("_Tensor", bound=Tensor)
 
@@ -131,7 +131,7 @@ def where(condition: object, a: object, b: object) -> Any:
     a, b = convert(a, "where"), convert(b, "where")
     if isinstance(condition, (Tensor, list, tuple)):
         return elementwise(core.where, "where", condition, a, b)
-    if not (core.is_scalar_like(condition) or isinstance(condition, bool)):
+    if not (is_scalar_like(condition) or isinstance(condition, bool)):
         raise TraceError(
             f"where: got {type(condition).__name__} as the condition: must be a comparison such as x > 0.0"
         )

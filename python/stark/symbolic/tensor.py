@@ -26,7 +26,14 @@ def describe(value: object) -> str:
         return f"Vec of {len(value)}"
     if isinstance(value, Mat):
         return f"Mat of {value.shape[0]} x {value.shape[1]}"
-    return "a scalar" if core.is_scalar_like(value) else type(value).__name__
+    return "a scalar" if is_scalar_like(value) else type(value).__name__
+
+
+def is_scalar_like(value: object) -> bool:
+    """Whether it is a scalar of a formula or a number. Not None, which the core would read as a scalar."""
+    if isinstance(value, np.ndarray) and value.dtype == object and value.ndim == 0:
+        value = value.item()
+    return value is not None and core.is_scalar_like(value)
 
 
 class Tensor:
@@ -254,7 +261,7 @@ class Vec(Tensor):
         if not entries:
             raise TraceError("Vec: got no entries: must have at least one")
         for entry in entries:
-            if not core.is_scalar_like(entry):
+            if not is_scalar_like(entry):
                 raise TraceError(f"Vec: got {describe(entry)} as an entry: must be scalars and numbers")
         super().__init__(entries, (len(entries),))
 
@@ -350,7 +357,7 @@ def convert(value: Any, what: str) -> Scalar | Vec | Mat:
     """A scalar, number, sequence or array as Scalar, Vec or Mat; `what` names it in the message."""
     if isinstance(value, (Scalar, Vec, Mat)):
         return value
-    if core.is_scalar_like(value):
+    if is_scalar_like(value):
         return core.constant(value)
     if isinstance(value, (list, tuple)):
         if any(isinstance(item, (list, tuple, Vec, np.ndarray)) for item in value):
@@ -359,13 +366,16 @@ def convert(value: Any, what: str) -> Scalar | Vec | Mat:
     if isinstance(value, np.ndarray) and value.dtype.kind in "biufO":
         if value.ndim > 2:
             raise TraceError(f"{what}: an array of {value.ndim} dimensions: must have at most 2")
+        for entry in value.flat if value.dtype == object else ():
+            if not is_scalar_like(entry):
+                raise TraceError(f"{what}: got {describe(entry)} as an entry: must be scalars and numbers")
         return from_shape(value.ravel().tolist(), value.shape)
     raise TraceError(f"{what}: got {type(value).__name__}: must be a scalar, Vec, Mat or numbers")
 
 
 def vec(*entries: Any) -> Vec:
     """vec(a, b, c) or vec([a, b, c])."""
-    if len(entries) == 1 and not core.is_scalar_like(entries[0]):
+    if len(entries) == 1 and not is_scalar_like(entries[0]):
         if isinstance(entries[0], Vec):
             return entries[0]
         if isinstance(entries[0], Mat):
