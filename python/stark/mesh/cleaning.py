@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,10 @@ Ints = NDArray[np.int64]
 def joined(surfaces: Any) -> TriangleMesh:
     """Several surfaces as one mesh, in the given order. Where they overlap, a mass that is made of a density
     counts their volume twice. Raises InvalidMesh for anything but a list of surfaces."""
+    if not isinstance(surfaces, Iterable):
+        raise InvalidMesh(
+            f"joined: got {type(surfaces).__name__}: must be a list of surfaces, joined([a, b])"
+        )
     rows = [as_triangle_mesh(surface, f"joined: surface {k}") for k, surface in enumerate(surfaces)]
     if not rows:
         raise InvalidMesh("joined: got no surface: must have at least one")

@@ -57,7 +57,13 @@ def convex_hull(mesh: Any) -> TriangleMesh:
         import manifold3d
     except ImportError as error:
         raise ImportError("stark.mesh.convex_hull needs manifold3d: pip install 'stark-sim[mesh]'") from error
-    given = np.asarray(points, dtype=np.float64)
+    try:
+        given = np.asarray(points, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidMesh(
+            f"convex_hull: got {type(mesh).__name__}: must be a mesh or points (n, 3) [m]; files are read by "
+            f"stark.mesh.load(path)"
+        ) from None
     if given.ndim != 2 or given.shape[1] != 3 or not np.isfinite(given).all():
         raise InvalidMesh(f"convex_hull: got the shape {given.shape}: must be finite points (n, 3) [m]")
     # About their middle: manifold3d drops what is small beside the distance from the origin.

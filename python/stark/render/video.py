@@ -16,7 +16,7 @@ from ..arguments import given_path, real_number
 from ..array_file import WriteError, naming, refuse_special
 from ..files import resolved
 from ..recording.format import RecordingError
-from ..recording.reader import Recording
+from ..recording.reader import Recording, given_recording
 from .camera import scene_bounds
 from .colorbar import limits_of
 from .fields import field_of
@@ -54,6 +54,7 @@ def write_video(
 
     Raises ``ImportError`` naming the extra to install when imageio or its ffmpeg is missing.
     """
+    given_recording(recording, "write_video")
     place = resolved(given_path(path, "write_video: path"))
     _require_film(place, fps, speed)
     try:

@@ -8,6 +8,7 @@ from os import PathLike
 from ..arguments import given_path
 from ..array_file import write_atomically
 from ..recording import Recording
+from ..recording.reader import given_recording
 from .encode import encode
 from .page import assemble
 
@@ -15,6 +16,7 @@ from .page import assemble
 def show(recording: Recording, *, height: int = 480, max_megabytes: float = 20.0) -> InlinePage:
     """The replay page of a recording for a notebook, ``height`` pixels tall; frames are left out where it
     would be larger than about ``max_megabytes``. Raises RecordingError for a recording without frames."""
+    given_recording(recording, "show")
     page = assemble(encode(recording, max_megabytes=max_megabytes), recording.telemetry)
     return InlinePage(page, height, f"{len(recording)} frames of '{recording.folder}'")
 

@@ -101,6 +101,10 @@ def test_what_cannot_be_a_surface_is_refused() -> None:
         stark.mesh.cleaned(stark.mesh.box(1.0), tolerance=2)
     with pytest.raises(stark.InvalidMesh, match="joined: got no surface"):
         stark.mesh.joined([])
+    with pytest.raises(
+        stark.InvalidMesh, match=r"joined: got TriangleMesh: must be a list of surfaces, joined\("
+    ):
+        stark.mesh.joined(stark.mesh.box(0.1))
     vertices[0, 0] = np.nan
     with pytest.raises(stark.InvalidMesh, match="a vertex is not finite"):
         stark.mesh.cleaned(TriangleMesh(vertices, np.array(strip)))

@@ -57,6 +57,8 @@ def test_the_hull_of_a_box_with_a_dent_is_the_box() -> None:
         stark.mesh.convex_hull(stark.mesh.grid(1.0, 1.0, 2))
     with pytest.raises(stark.InvalidMesh, match="must be finite points"):
         stark.mesh.convex_hull(np.zeros(3))
+    with pytest.raises(stark.InvalidMesh, match=r"got str: must be a mesh or points .*stark\.mesh\.load"):
+        stark.mesh.convex_hull("part.obj")
 
 
 def test_an_l_is_two_convex_parts() -> None:

@@ -58,6 +58,10 @@ def test_what_makes_no_film_is_refused(
     run = record(tmp_path / "run", 2)
     with pytest.raises(stark.InvalidArgument, match=message):
         write_video(run, tmp_path / name, **options)
+    with pytest.raises(
+        stark.Error, match=r"write_video: recording = .*must be a stark\.recording\.Recording"
+    ):
+        write_video(tmp_path / "run", tmp_path / "a.mp4")  # type: ignore[arg-type]
     assert not list(tmp_path.glob("*a*.*"))
 
 

@@ -34,3 +34,7 @@ def test_nothing_to_show(tmp_path: Path) -> None:
     Recorder(tmp_path / "run", FakeSimulation()).close()
     with pytest.raises(RecordingError, match="no frames"):
         show(Recording(tmp_path / "run"))
+    with pytest.raises(
+        RecordingError, match=r"show: recording = 'run': must be a stark\.recording\.Recording"
+    ):
+        show("run")  # type: ignore[arg-type]
