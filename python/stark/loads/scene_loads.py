@@ -208,7 +208,8 @@ class SceneLoads(SceneLink):
     ) -> Energy:
         """A torque (3,) [N m] that keeps its direction in the world, on a rigid body or a frame.
         ``handle.torque`` may change at any time. It is exact where the body turns about it, by up to 1 rad in
-        a step; of a turn about another axis it lags behind by half."""
+        a step; of a turn about another axis it lags behind by half. For quasistatic steps on soft bodies see
+        docs/integrators.md."""
         from stark.loads import formulas
 
         load = self.add(formulas.torque(body, torque=at_start(torque, "torque")), name=name)
