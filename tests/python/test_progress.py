@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import fcntl
 import io
 import os
 import pty
 import re
+import struct
 import subprocess
 import sys
+import termios
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -122,6 +125,24 @@ def test_the_bar_shows_the_iterations_of_a_long_step(monkeypatch: pytest.MonkeyP
     assert terminal.getvalue().endswith("attempt 2")
     Shown(Progress(1.0, stream=pipe)).progress(told(12.4))
     assert pipe.getvalue() == ""
+
+
+@pytest.mark.parametrize(("columns", "least_bar"), [(200, 28), (80, 10), (40, 0), (0, 10)])
+def test_the_bar_fits_into_one_row(monkeypatch: pytest.MonkeyPatch, columns: int, least_bar: int) -> None:
+    """A longer line would leave a row on the screen with every drawing. 0 columns: the terminal does not
+    say, and 80 are taken."""
+    monkeypatch.setattr(Progress, "PERIOD", 0.0)
+    main_end, other_end = pty.openpty()
+    fcntl.ioctl(other_end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    with open(other_end, "w", encoding="utf-8") as stream:
+        progress = Progress(20.0, stream=stream)
+        for time_reached in (0.5, 10.0, 20.0):
+            progress.update(time_reached, f"t = {time_reached:.3f} s  124 iterations  12345 contacts")
+            line = os.read(main_end, 4096).decode().removeprefix("\r\033[K")
+            assert len(line) < (columns or 80) and "%" in line
+            assert sum(line.count(c) for c in "━─") >= least_bar
+            assert columns == 40 or line.endswith("contacts")
+    os.close(main_end)
 
 
 _SLOW = """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import sys
 import time
 from typing import TextIO
@@ -30,12 +31,23 @@ class Progress:
             return
         self._shown = now
         share = min(1.0, max(0.0, done / self._total)) if self._total > 0 else 1.0
-        filled = round(share * self._WIDTH)
         elapsed = now - self._begin
         left = f"{elapsed * (1.0 / share - 1.0):.0f} s left" if 0.02 < share < 1.0 else f"{elapsed:.1f} s"
-        bar = "━" * filled + "─" * (self._WIDTH - filled)
-        self._stream.write(f"\r\033[K{bar} {100 * share:3.0f} %  {left}  {text}")
+        words = f"{100 * share:3.0f} %  {left}  {text}"
+        # In one row, without its last place: the next drawing removes no row but that of the cursor.
+        columns = self._columns() - 1
+        width = max(0, min(self._WIDTH, columns - 1 - len(words)))
+        filled = round(share * width)
+        line = ("━" * filled + "─" * (width - filled) + " " + words)[:columns]
+        self._stream.write(f"\r\033[K{line}")
         self._stream.flush()
+
+    def _columns(self) -> int:
+        """Of the terminal as it is now; 80 where it does not say."""
+        try:
+            return os.get_terminal_size(self._stream.fileno()).columns or 80
+        except (OSError, ValueError):
+            return 80
 
     def close(self) -> None:
         """Removes the bar."""
