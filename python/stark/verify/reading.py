@@ -86,6 +86,7 @@ def _read_states(run: Run, states: Any, progress: Callable[[float, str], None]) 
     run._starts = np.cumsum([0, *(len(t) for t in times)])
     run.times = np.concatenate([np.zeros(0), *times])
     run.placed = np.concatenate([np.zeros(0, dtype=bool), *placed])
+    run.placed[:1] = False
     need(count > 0, f"'{folder}' has no states: call recorder.record_state(sim) after each step")
     need(
         len(run.times) == count,

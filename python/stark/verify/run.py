@@ -92,9 +92,15 @@ class State:
         return np.concatenate(self.positions)
 
     @property
-    def is_placed(self) -> bool:
-        """Whether it is not the end of a step, but what the user has made of that."""
+    def has_placed_bodies(self) -> bool:
+        """Whether the user has placed bodies since the step before, or before the first one."""
         return self.placed is not None and bool(self.placed.any())
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it is not the end of a step, but what the user has made of that; the first state, to which
+        no step leads, is none."""
+        return self.index > 0 and self.has_placed_bodies
 
     def parts(self) -> list[Floats]:
         """All arrays of numbers."""
@@ -114,7 +120,7 @@ class Run:
     bodies: list[Body] = field(default_factory=list)
     scene: dict[str, Any] = field(default_factory=dict)
     times: Floats = field(default_factory=lambda: np.zeros(0))
-    #: By state: whether the user has placed bodies in it.
+    #: By state: whether the user has placed bodies in it; not in the first one, with which all begins.
     placed: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     files: dict[str, str] = field(default_factory=dict)  # sha256 by path
     frame_count: int = 0
@@ -166,7 +172,7 @@ class Run:
     def jumps(self, start: State, end: State) -> bool:
         """Whether bodies were placed before the step between two states, and none is recorded after that."""
         row = self.row_of(end)
-        return row is not None and bool(row.get("placed")) and not start.is_placed
+        return row is not None and bool(row.get("placed")) and not start.has_placed_bodies
 
     def state(self, index: int) -> State:
         chunk = int(np.searchsorted(self._starts, index, side="right")) - 1

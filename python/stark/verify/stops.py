@@ -49,7 +49,7 @@ class StopCheck:
             before = self._turned.get(key, value)
             turns = round((before - value) / (2.0 * math.pi)) if unit == "rad" else 0
             self._turned[key] = value + 2.0 * math.pi * turns
-        if state.is_placed:
+        if state.has_placed_bodies:
             self._take_turns(state, coordinates)
         if state.actuators is None or state.index == 0 or self.lacking:
             return

@@ -78,7 +78,7 @@ def _state_times(run: Run) -> list[str]:
 def _placed_states(run: Run) -> list[str]:
     """States in which bodies were placed follow that of their time, and the next step reports them."""
     for index in np.flatnonzero(run.placed).tolist():
-        if index == 0 or run.times[index] != run.times[index - 1]:
+        if run.times[index] != run.times[index - 1]:
             return [f"in state {index} bodies are placed, but no state of its time comes before"]
         row = index - 1 - int(run.placed[:index].sum())
         if row < len(run.rows) and not run.rows[row].get("placed"):

@@ -81,6 +81,17 @@ def test_a_jump_without_its_state_is_no_proof(tmp_path: Path) -> None:
     assert "call record_state(sim) after placing" in paths.detail
 
 
+def test_what_is_placed_before_the_first_state_is_where_all_begins(tmp_path: Path) -> None:
+    """It is no jump, and no step less than there are states."""
+    sim = simulated()
+    sim["box"].velocity = (0.1, 0, 0.5)
+    sim.joints[0].angle = 15.0  # two turns on, from where the stop counts
+    certificate = verify(recorded(tmp_path / "run", sim, jumps=0))
+    assert certificate.verdict == "certified", [c for c in certificate.claims if c.status != "verified"]
+    assert claim(certificate, "steps").status == claim(certificate, "stops").status == "verified"
+    assert "placed" not in claim(certificate, "paths").detail and not certificate.limits
+
+
 Change = Callable[[dict[str, Any]], None]
 
 
