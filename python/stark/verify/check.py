@@ -116,7 +116,7 @@ def _claims_of_states(run: Run, chain: ChainCheck, progress: Callable[[float, st
     previous = None
     for state in run.states():
         chain.row("states", state.index, state.row, state.digest)
-        if not all(np.isfinite(part).all() for part in state.parts()):
+        if not np.isfinite(np.concatenate([part.reshape(-1) for part in state.parts()])).all():
             broken.append(state.index)
             previous = None
             geometry.interrupt()

@@ -12,6 +12,7 @@ import stat
 import zipfile
 import zlib
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
@@ -123,14 +124,21 @@ def _array(data: bytes, name: str) -> np.ndarray:
     end = start + int.from_bytes(data[start - 2 : start], "little")
     if not data.startswith(_MAGIC) or end - start > _LONGEST_HEADER:
         raise ValueError(f"'{name[:80]}' is not an array of NumPy's format 1.0")
-    header = ast.literal_eval(data[start:end].decode("ascii"))
-    dtype, shape = np.dtype(str(header["descr"])), tuple(int(extent) for extent in header["shape"])
+    dtype, shape, is_fortran = _header(data[start:end])
     count = math.prod(shape)
     plain = dtype.kind in "biuf" and all(extent >= 0 for extent in shape)
     if not plain or count * dtype.itemsize != len(data) - end:
         raise ValueError(f"'{name[:80]}' claims the shape {shape} of {dtype}, which is not what it holds")
-    order: Literal["C", "F"] = "F" if header["fortran_order"] else "C"
+    order: Literal["C", "F"] = "F" if is_fortran else "C"
     return np.frombuffer(data, dtype=dtype, offset=end).reshape(shape, order=order).copy()
+
+
+@lru_cache(maxsize=64)  # those of the bodies of a scene are much the same
+def _header(text: bytes) -> tuple[np.dtype[Any], tuple[int, ...], bool]:
+    """Type, shape and whether the first index is the fastest."""
+    header = ast.literal_eval(text.decode("ascii"))
+    shape = tuple(int(extent) for extent in header["shape"])
+    return np.dtype(str(header["descr"])), shape, bool(header["fortran_order"])
 
 
 def file_digest(path: Path) -> str:

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
 from .files import need
 from .held_places import held_bodies
-from .multistep import Motion, Step, kinds_of_step, leading_momentum
+from .multistep import Step, kinds_of_step, leading_momentum, motion_of
 from .multistep import impulse as impulse_of_step
 from .rotation import held_turn, impulse, momentum, velocity
-from .run import Body, Run, State, number
+from .run import Run, State, number
 from .turning import wrong_velocity
+from .weights import Group, Moving, groups_of
 
 Floats = NDArray[np.float64]
 
@@ -55,13 +56,14 @@ class InertiaCheck:
     worst: dict[str, tuple[float, dict[str, Any] | None]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.weights: list[_Weights | None] = [_weights(body) for body in self.run.bodies]
-        self.held: set[int] = held_bodies(self.run.scene)
+        self.groups: list[Group] = groups_of(self.run.bodies, held_bodies(self.run.scene))
         self.unknown: list[str] = [
-            b.name
-            for b, w in zip(self.run.bodies, self.weights, strict=True)
-            if w is None and b.motion == "dynamic"
+            body.name
+            for body in self.run.bodies
+            if body.motion == "dynamic" and not body.has_pose and body.masses is None
         ]
+        #: Of the last state, which is the start of the next step.
+        self._last: tuple[State, list[Moving]] | None = None
         gravity = self.run.settings.get("gravity", (0.0, 0.0, 0.0))
         self.gravity: NDArray[Any] = np.array(gravity, dtype=np.float64)
         need(
@@ -87,13 +89,15 @@ class InertiaCheck:
         if self.unknown or self.lacking or not 0.0 < h < math.inf or not isinstance(energy, dict):
             return
         where = {"time": end.time, "step": row.get("step")}
-        gravity, size = self._gravity(end)
+        before, after = self._moving(start), self._moving(end)
+        self._last = end, after
+        gravity, size = self._gravity(after)
         self._compare("gravity", number(energy, "gravity"), gravity, _RELATIVE * size, where)
         steps = self._kinds(start, end, row, h)
         if not steps:
             return
         # Which kind of step it was is not recorded: the one that explains it best.
-        found = [self._follow(step, start, end, row) for step in steps]
+        found = [self._follow(step, before, after, row) for step in steps]
         sums, parts = min(found, key=lambda one: max(one[1].values(), default=0.0))
         for name, share in parts.items():
             self._compare(name, share, 0.0, 1.0, where)
@@ -129,8 +133,13 @@ class InertiaCheck:
             lasting if 0.0 <= lasting <= 1.0 else 0.0,
         )
 
+    def _moving(self, state: State) -> list[Moving]:
+        if self._last is not None and self._last[0] is state:
+            return self._last[1]
+        return [group.moving(state) for group in self.groups]
+
     def _follow(
-        self, step: Step, start: State, end: State, row: dict[str, Any]
+        self, step: Step, before: list[Moving], after: list[Moving], row: dict[str, Any]
     ) -> tuple[Sums, dict[str, float]]:
         """Sums over all bodies after a step of that kind, and by part how far states are from what it makes
         of them, over what is allowed."""
@@ -139,42 +148,38 @@ class InertiaCheck:
         # friction that is older than it.
         pushed = any(row["energy"].get(kind) for kind in ("restitution", "friction"))
         is_free = number(row, "contact_count") == 0.0 and not pushed
-        for i, weights in enumerate(self.weights):
-            if weights is None:
-                continue
-            for masses, x0, x1 in weights.points(start, end, i):
-                if self.integrator == "bdf2":
-                    motion = weights.motion(start, end, i, (x0, x1))
-                    v = motion.velocities[1]
-                    parts["velocities"] = max(parts.get("velocities", 0.0), motion.wrong_velocity(step))
-                    # What joints give in an impact is not recorded of points.
-                    is_known = is_free and not (step.is_impact and i in self.held)
-                    lag = motion.wrong_lag(step) if is_known else 0.0
-                    parts["lags"] = max(parts.get("lags", 0.0), lag)
-                elif (known := weights.velocities(start, end, i)) is not None:
-                    v = known[1]
-                    share = wrong_velocity(masses, (x0, x1), known, step.length)
-                    parts["velocities"] = max(parts.get("velocities", 0.0), share)
-                else:
-                    v = (x1 - x0) / step.length
-                self._add_points(sums, masses, x1, v, step.duration)
-            wrong, allowed = self._add_turning(sums, weights, (start, end), i, row, step)
+        for group, start, end in zip(self.groups, before, after, strict=True):
+            if self.integrator == "bdf2":
+                motion = motion_of(group, start, end)
+                v = motion.velocities[1]
+                parts["velocities"] = max(parts.get("velocities", 0.0), motion.wrong_velocity(step))
+                # What joints give in an impact is not recorded of points.
+                is_known = is_free and not (step.is_impact and group.is_held)
+                lag = motion.wrong_lag(step) if is_known else 0.0
+                parts["lags"] = max(parts.get("lags", 0.0), lag)
+            elif start.velocities is not None and end.velocities is not None:
+                v, places = end.velocities, (start.places, end.places)
+                share = wrong_velocity(group.masses, places, (start.velocities, v), step.length)
+                parts["velocities"] = max(parts.get("velocities", 0.0), share)
+            else:
+                v = (end.places - start.places) / step.length
+            self._add_points(sums, group, end.places, v, step.duration)
+            wrong, allowed = self._add_turning(sums, group, start, end, row, step)
             parts["turning"] = max(parts["turning"], wrong / max(allowed, 1e-300))
         return sums, parts
 
-    def _gravity(self, end: State) -> tuple[float, float]:
+    def _gravity(self, after: list[Moving]) -> tuple[float, float]:
         """Gravitational energy, and the sum of absolute values [J]."""
         energy, size = 0.0, 0.0
-        for i, weights in enumerate(self.weights):
-            for masses, _, x in weights.points(end, end, i) if weights else []:
-                energy -= float(masses @ (x @ self.gravity))
-                size += float(masses @ np.abs(x * self.gravity).sum(axis=1))
+        for group, end in zip(self.groups, after, strict=True):
+            energy -= float(group.masses @ (end.places @ self.gravity))
+            size += float(group.masses @ np.abs(end.places * self.gravity).sum(axis=1))
         return energy, size
 
-    def _add_points(self, sums: Sums, masses: Floats, x: Floats, v: Floats, duration: float) -> None:
+    def _add_points(self, sums: Sums, group: Group, x: Floats, v: Floats, duration: float) -> None:
         # Rounding of the positions, over the time step.
-        error = 4.0 * _EPSILON * np.abs(x).max(initial=0.0) / duration
-        speed = np.linalg.norm(v, axis=1)
+        error = 4.0 * _EPSILON * group.largest(x)[:, 0] / duration
+        masses, speed = group.masses, np.linalg.norm(v, axis=1)
         sums.kinetic += 0.5 * float(masses @ (v * v).sum(axis=1))
         sums.kinetic_error += float(masses @ (2.0 * error * speed + error * error))
         sums.linear += masses @ v
@@ -184,21 +189,14 @@ class InertiaCheck:
         sums.angular_error += float(masses @ (reach * (2.0 * error + _RELATIVE * speed)))
 
     def _add_turning(
-        self,
-        sums: Sums,
-        weights: _Weights,
-        states: tuple[State, State],
-        i: int,
-        row: dict[str, Any],
-        step: Step,
+        self, sums: Sums, group: Group, start: Moving, end: Moving, row: dict[str, Any], step: Step
     ) -> tuple[float, float]:
         """Adds rotation, and returns the largest change of an angular momentum that the rotations do not
         explain, with what is allowed [kg m^2/s]."""
-        turning = weights.turning(*states, i)
-        if turning is None:
+        moments, (R0, w0), (R1, w1) = group.moments, start.turning, end.turning
+        if len(moments) == 0 or R0 is None or w0 is None or R1 is None or w1 is None:
             return 0.0, 0.0
         h = step.length
-        moments, (R0, w0), (R1, w1) = turning
         before, after = momentum(R0, moments, w0), momentum(R1, moments, w1)
         sums.kinetic += 0.5 * float((after * w1).sum())
         sums.angular += after.sum(axis=0)
@@ -206,7 +204,7 @@ class InertiaCheck:
         # What Newton's method leaves unbalanced is an error of the rotation; free motion is known to the
         # accuracy of a midpoint rule with substeps of 0.05 rad; the rest is rounding, of penalties of joints,
         # too.
-        spins = weights.spins(states[0], i) if self.integrator == "bdf2" else None
+        spins = start.spins if self.integrator == "bdf2" else None
         change = (
             impulse(R0, R1, moments, before, h)
             if spins is None
@@ -217,10 +215,11 @@ class InertiaCheck:
         leading = before if spins is None else leading_momentum(before, spins, step)
         rates = velocity(R0, moments, leading)
         allowed = allowed + 0.05**2 * h * np.linalg.norm(np.cross(rates, leading), axis=1)
-        if weights.body.has_pose:
-            # The residual is that of the end of the step, reported is that of the iterate before it.
+        if start.reach is not None:
+            # The residual is that of the end of the step, reported is that of the iterate before it. Torques
+            # that it leaves accelerate the surface: the smallest moment of inertia over the largest arm.
             acceleration = max(number(row, "acceleration"), self.tolerance)
-            allowed = allowed + h * acceleration * weights.inertia_per_reach(states[0], i)
+            allowed = allowed + h * acceleration * moments.min(axis=1) / np.maximum(start.reach, 1e-300)
         # Frames, too, may be held far from their free motion, as those of rods that bend for good.
         turn = held_turn(R0, R1, moments, before + change, change, h)
         wrong = np.fmin(wrong, np.linalg.norm(after - turn, axis=1))
@@ -272,100 +271,6 @@ class InertiaCheck:
         return Claim(name, statement, status, basis, worst, 1.0, "of rounding", where, detail, required=False)
 
 
-#: Moments of inertia; rotations and angular velocities at the start, and at the end.
-_Turning = tuple[Floats, tuple[Floats, Floats], tuple[Floats, Floats]]
-
-
-class _Weights:
-    """What of a body has inertia: points with masses, and axes with second moments."""
-
-    def __init__(self, body: Body) -> None:
-        self.body = body
-        if body.has_pose:
-            assert body.inertia is not None
-            tensor = np.array(body.inertia["tensor"], dtype=np.float64)
-            self.mass = float(body.inertia["mass"])
-            self.centre = np.array(body.inertia["center_of_mass"], dtype=np.float64)
-            # Integral of x x^T dm, diagonal in its own axes.
-            self.moments, self.principal = np.linalg.eigh(0.5 * np.trace(tensor) * np.eye(3) - tensor)
-            return
-        assert body.masses is not None
-        self.masses = body.masses.copy()
-        self.masses[body.pins] = 0.0
-        self.free = np.ones(body.vertex_count)
-        self.free[body.clamped] = 0.0
-
-    def points(self, start: State, end: State, i: int) -> list[tuple[Floats, Floats, Floats]]:
-        if not self.body.has_pose:
-            return [(self.masses, start.positions[i], end.positions[i])]
-        poses = start.poses[i], end.poses[i]
-        before, after = (pose[0] + pose[1:] @ self.centre for pose in poses if pose is not None)
-        return [(np.array([self.mass]), before[None], after[None])]
-
-    def turning(self, start: State, end: State, i: int) -> _Turning | None:
-        """Moments of inertia (n, 3), then rotations of the principal axes and angular velocities at the start
-        and at the end; None for bodies whose points only move."""
-        states = start, end
-        if self.body.has_pose:
-            second = self.moments[None]
-            rotations = [pose[1:] @ self.principal for s in states if (pose := s.poses[i]) is not None]
-            rotations = [R[None] for R in rotations]
-        elif self.body.second_moments is not None:
-            second = np.pad(self.body.second_moments, ((0, 0), (0, 1)))[self.free > 0.0]
-            rotations = [frames[self.free > 0.0] for s in states if (frames := s.frames[i]) is not None]
-        else:
-            return None
-        moments = second.sum(axis=1, keepdims=True) - second
-        rates = [w.reshape(-1, 3) for s in states if (w := s.angular_velocities[i]) is not None]
-        if not self.body.has_pose:
-            rates = [w[self.free > 0.0] for w in rates]
-        if len(moments) == 0 or len(rotations) < 2 or len(rates) < 2:
-            return None
-        return moments, (rotations[0], rates[0]), (rotations[1], rates[1])
-
-    def velocities(self, start: State, end: State, i: int) -> tuple[Floats, Floats] | None:
-        """Of points() at the start and at the end, those that are recorded."""
-        before, after = (s.velocities[i] if s.velocities else None for s in (start, end))
-        return None if before is None or after is None else (before, after)
-
-    def motion(self, start: State, end: State, i: int, places: tuple[Floats, Floats]) -> Motion:
-        """Of points(); those without mass rest."""
-        shown = [array for s in (start, end) for array in (s.velocities[i], s.lags[i]) if array is not None]
-        rows = [array.reshape(-1, 3) for array in shown]
-        if not self.body.has_pose:
-            moves = self.masses > 0.0
-            rows = [np.where(moves[:, None], row, 0.0) for row in rows]
-            x0, x1 = places
-            places = np.where(moves[:, None], x0, 0.0), np.where(moves[:, None], x1, 0.0)
-        v0, lag0, v1, lag1 = rows
-        return Motion(places, (v0, v1), (lag0, lag1))
-
-    def spins(self, state: State, i: int) -> Floats | None:
-        """A, p and Q of the angular momenta of turning(), (n, 3, 3) [kg m^2/s]."""
-        spins = state.spins[i]
-        if spins is None or self.body.has_pose:
-            return None if spins is None else spins[None]
-        found: Floats = spins[self.free > 0.0]
-        return found
-
-    def inertia_per_reach(self, state: State, i: int) -> float:
-        """Torque that accelerates the surface of a rigid body by 1 m/s^2 [kg m]: the smallest moment of
-        inertia over the largest distance of a vertex from the centre of mass."""
-        pose = state.poses[i]
-        if pose is None:
-            return 0.0
-        arms = state.positions[i] - (pose[0] + pose[1:] @ self.centre)
-        smallest = float(self.moments.sum() - self.moments.max())
-        return smallest / max(float(np.linalg.norm(arms, axis=1).max()), 1e-300)
-
-
 def _has_velocities(state: State) -> bool:
     """Whether what bdf2 remembers of the bodies is recorded."""
-    return bool(state.velocities) and all(array is not None for array in state.velocities)
-
-
-def _weights(body: Body) -> _Weights | None:
-    """None for bodies without inertia, or whose masses are not known."""
-    if body.motion != "dynamic" or (not body.has_pose and body.masses is None):
-        return None
-    return _Weights(body)
+    return all(array is not None for array in state.velocities)

@@ -13,7 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .files import need
 from .rotation import free_rotation, torque
+from .weights import Group, Moving
 
 Floats = NDArray[np.float64]
 
@@ -60,8 +62,9 @@ def kinds_of_step(h: float, before: float, has_history: bool, lasting: float) ->
 
 @dataclass(frozen=True)
 class Motion:
-    """Points of a body, (n, 3) each: places [m], velocities and lags [m/s], at the start and at the end."""
+    """Points of a group, (n, 3) each: places [m], velocities and lags [m/s], at the start and at the end."""
 
+    group: Group
     places: tuple[Floats, Floats]
     velocities: tuple[Floats, Floats]
     lags: tuple[Floats, Floats]
@@ -69,8 +72,7 @@ class Motion:
     def wrong_velocity(self, step: Step) -> float:
         """Largest difference of a way and what the velocities make of it, over what rounding allows."""
         (x0, x1), (v0, v1) = self.places, self.velocities
-        parts = (x1, -x0, -step.ahead * v0, step.lag * self.lags[0], -step.duration * v1)
-        return _share(parts)
+        return self._share((x1, -x0, -step.ahead * v0, step.lag * self.lags[0], -step.duration * v1))
 
     def wrong_lag(self, step: Step) -> float:
         """The same of the lags at the end, for a step without contact; 0 where contact of the step before
@@ -80,15 +82,24 @@ class Motion:
         v0, v1 = self.velocities
         old, new = self.lags
         parts = (new, -step.renewal * v1, step.renewal * v0)
-        return _share((*parts, -step.renewal * old) if step.history else parts)
+        return self._share((*parts, -step.renewal * old) if step.history else parts)
+
+    def _share(self, parts: tuple[Floats, ...]) -> float:
+        """Largest component of a sum that should vanish, over the rounding of its terms."""
+        if parts[0].size == 0:
+            return 0.0
+        allowed = _ROUNDING * sum(self.group.largest(part) for part in parts)
+        return float((self.group.largest(np.asarray(sum(parts))) / np.maximum(allowed, 1e-300)).max())
 
 
-def _share(parts: tuple[Floats, ...]) -> float:
-    """Largest component of a sum that should vanish, over the rounding of its terms."""
-    if parts[0].size == 0:
-        return 0.0
-    allowed = _ROUNDING * sum(float(np.abs(part).max()) for part in parts)
-    return float(np.abs(sum(parts)).max()) / max(allowed, 1e-300)
+def motion_of(group: Group, start: Moving, end: Moving) -> Motion:
+    """Of a group in a step; points without mass rest."""
+    known = (start.velocities, end.velocities, start.lags, end.lags)
+    need(all(rows is not None for rows in known), "a state lacks velocities or lags of a body")
+    moves = (group.masses[:, None] > 0.0) | group.is_rigid
+    rows = [np.where(moves, row, 0.0) for row in (start.places, end.places, *known) if row is not None]
+    x0, x1, v0, v1, lag0, lag1 = rows
+    return Motion(group, (x0, x1), (v0, v1), (lag0, lag1))
 
 
 def impulse(start: Floats, end: Floats, moments: Floats, before: Floats, spins: Floats, step: Step) -> Floats:

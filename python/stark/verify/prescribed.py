@@ -28,10 +28,12 @@ class PrescribedCheck:
     found: list[dict[str, Any]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.surface: Surface = Surface(self.run)
         self.pairs: list[tuple[int, int]] = [
             (int(a), int(b)) for a, b in self.run.scene.get("pairs_prescribed", [])
         ]
+        if not self.pairs:
+            return
+        self.surface: Surface = Surface(self.run)
         self.points: dict[int, NDArray[Any]] = {
             body: np.flatnonzero(self.surface.body_of == body) for pair in self.pairs for body in pair
         }

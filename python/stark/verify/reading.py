@@ -75,7 +75,7 @@ def _read_states(run: Run, states: Any, progress: Callable[[float, str], None]) 
     _read_scene(run)
     times, placed = [], []
     for index in range(chunk_count):
-        chunk = run.checked_chunk(index)
+        chunk = run.chunk(index)
         times.append(chunk["times"])
         placed.append(_placed(chunk))
         progress((index + 1) / chunk_count, "reading")

@@ -23,11 +23,18 @@ _HELD = 1e-3  # change of a momentum over the momentum, from which something hol
 
 def axis_and_angle(R: Floats) -> tuple[Floats, float]:
     """Of the shortest turn (3, 3)."""
-    w = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    sine, cosine = float(np.linalg.norm(w)), 0.5 * (float(np.trace(R)) - 1.0)
-    if sine < 1e-14:
-        return np.array([0.0, 0.0, 1.0]), 0.0
-    return w / sine, math.atan2(sine, cosine)
+    axes, angles = axes_and_angles(R[None])
+    return axes[0], float(angles[0])
+
+
+def axes_and_angles(R: Floats) -> tuple[Floats, Floats]:
+    """Of the shortest turns (n, 3, 3): unit vectors (n, 3) and [rad] (n,)."""
+    off = np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
+    w = 0.5 * off
+    sine, cosine = np.linalg.norm(w, axis=1), 0.5 * (np.trace(R, axis1=1, axis2=2) - 1.0)
+    rests = sine < 1e-14
+    axes = np.where(rests[:, None], [0.0, 0.0, 1.0], w / np.where(rests, 1.0, sine)[:, None])
+    return axes, np.where(rests, 0.0, np.arctan2(sine, cosine))
 
 
 def momentum(rotations: Floats, moments: Floats, angular_velocities: Floats) -> Floats:
@@ -56,8 +63,8 @@ def held_turn(
     """Angular momenta (n, 3) of the turns from ``start`` to ``end``, of bodies that something holds far from
     their free motion: by more than a quarter turn in the step, with less energy than ``momenta`` have. Those
     keep the rate of the turn (theory, section 3); NaN for all others."""
-    turns = [axis_and_angle(R) for R in np.einsum("nij,nkj->nik", end, start)]
-    rates = np.array([angle / h * axis for axis, angle in turns]).reshape(-1, 3)
+    axes, angles = axes_and_angles(end @ start.transpose(0, 2, 1))
+    rates = angles[:, None] / h * axes
     turned = momentum(end, moments, rates)
     velocities = velocity(end, moments, momenta)
     is_far = np.linalg.norm(velocities - rates, axis=1) * h > _QUARTER_TURN
@@ -67,27 +74,44 @@ def held_turn(
 
 
 def free_rotation(rotations: Floats, moments: Floats, momenta: Floats, h: float) -> Floats:
-    """Where free motion brings the rotations in h seconds."""
+    """Where free motion brings the rotations in h seconds, each in as many substeps as it needs."""
     smallest = moments.min(axis=1)
     velocities = velocity(rotations, moments, momenta)
     slow = np.linalg.norm(velocities, axis=1)
     # Energy stays, so that no rate can get above sqrt(2 E / J_min).
     twice = np.maximum(0.0, (velocities * momenta).sum(axis=1))
     fast = np.minimum(np.sqrt(twice / np.maximum(smallest, 1e-300)), 1e3 * slow)
-    count = int(np.clip(math.ceil(fast.max(initial=0.0) * h / _SUBSTEP), 1, _MOST_SUBSTEPS))
-    k = h / count
-    for _ in range(count):
-        w, last = velocity(rotations, moments, momenta), math.inf
-        for _ in range(_ITERATIONS):
-            middle = turned(0.5 * k * w, rotations)
-            change = velocity(middle, moments, momenta) - w
-            w = w + change
-            size = float(np.abs(change).max(initial=0.0))
-            if size <= 1e-15 * np.abs(w).max(initial=0.0) or size >= last:  # from here on it is rounding
-                break
-            last = size
-        rotations = turned(k * w, rotations)
-    return rotations
+    counts = np.fmin(np.fmax(np.ceil(fast * h / _SUBSTEP), 1.0), _MOST_SUBSTEPS)
+    order = np.argsort(-counts)  # those with more of them first
+    R, J, L = rotations[order], moments[order], momenta[order]
+    counts = counts[order]
+    for done in range(int(counts.max(initial=0.0))):
+        n = int(np.searchsorted(-counts, -done))  # of those that are not there yet
+        k = (h / counts[:n])[:, None]
+        R[:n] = turned(k * _middle_velocity(R[:n], J[:n], L[:n], k), R[:n])
+    free = np.empty_like(R)
+    free[order] = R
+    return free
+
+
+def _middle_velocity(R: Floats, J: Floats, L: Floats, k: Floats) -> Floats:
+    """Angular velocities (n, 3) in the middle of substeps of k seconds (n, 1), to rounding."""
+    velocities = velocity(R, J, L)
+    rows, w, last = np.arange(len(R)), velocities, np.full(len(R), math.inf)
+    for _ in range(_ITERATIONS):
+        change = velocity(turned(0.5 * k * w, R), J, L) - w
+        w = w + change
+        velocities[rows] = w
+        size = np.abs(change).max(axis=1)
+        # From some iteration on it is rounding.
+        is_open = ~((size <= 1e-15 * np.abs(w).max(axis=1)) | (size >= last))
+        if not is_open.all():
+            rows, w, R, J, L, k = (a[is_open] for a in (rows, w, R, J, L, k))
+            size = size[is_open]
+        if not len(rows):
+            break
+        last = size
+    return velocities
 
 
 def velocity(rotations: Floats, moments: Floats, momenta: Floats) -> Floats:

@@ -4,7 +4,7 @@ Nothing here is shared with what wrote it."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,17 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
 
 _CACHED_CHUNKS = 2
+#: Names of the arrays of states: those that bodies have, numbered, and others.
+_OF_BODIES = ("positions", "poses", "frames", "angular_velocities", "velocities", "lags", "spins")
+_OF_SCENES = (
+    "joints",
+    "attachments",
+    "actuators",
+    "actuator_values",
+    "placed",
+    "placed_coordinates",
+    "held_places",
+)
 _JOINT_WIDTHS = {"fixed": 12, "ball": 3}  # numbers of joints that hold what they find (held_places.py)
 
 
@@ -127,6 +138,7 @@ class Run:
     frame_chunks: int = 0
     _starts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     _chunks: dict[int, dict[str, np.ndarray]] = field(default_factory=dict)
+    _names: dict[str, list[str]] = field(default_factory=dict)
 
     @property
     def has_states(self) -> bool:
@@ -176,43 +188,33 @@ class Run:
 
     def state(self, index: int) -> State:
         chunk = int(np.searchsorted(self._starts, index, side="right")) - 1
-        arrays = self._chunk(chunk)
-
-        def at(name: str) -> Any:
-            rows = arrays.get(name)
-            return None if rows is None else rows[0 if len(rows) == 1 else index - self._starts[chunk]]
-
-        count = range(len(self.bodies))
+        arrays = self.chunk(chunk)
+        row = index - self._starts[chunk]
+        now = {name: rows[0 if len(rows) == 1 else row] for name, rows in arrays.items()}
+        if not self._names:
+            count = range(len(self.bodies))
+            self._names = {kind: [f"{kind}_{i:04d}" for i in count] for kind in _OF_BODIES}
+        parts: dict[str, Any] = {name: now.get(name) for name in _OF_SCENES}
+        for kind, names in self._names.items():
+            parts[kind] = [now.get(name) for name in names]
         return State(
             index,
             float(self.times[index]),
-            [at(f"positions_{i:04d}") for i in count],
-            [at(f"poses_{i:04d}") for i in count],
-            [at(f"frames_{i:04d}") for i in count],
-            [at(f"angular_velocities_{i:04d}") for i in count],
-            at("joints"),
-            at("attachments"),
-            at("actuators"),
-            at("actuator_values"),
-            at("contact_regained"),
-            at("placed"),
-            at("placed_coordinates"),
-            at("held_places"),
-            [at(f"velocities_{i:04d}") for i in count],
-            [at(f"lags_{i:04d}") for i in count],
-            [at(f"spins_{i:04d}") for i in count],
-            {name: at(name) for name in arrays if name != "chain"},
-            at("chain"),
+            **parts,
+            regained=now.get("contact_regained"),
+            row={name: array for name, array in now.items() if name != "chain"},
+            digest=now.get("chain"),
         )
 
-    def _chunk(self, index: int) -> dict[str, np.ndarray]:
+    def chunk(self, index: int) -> dict[str, np.ndarray]:
+        """Arrays of a file of states."""
         if index not in self._chunks:
             if len(self._chunks) >= _CACHED_CHUNKS:
                 self._chunks.pop(next(iter(self._chunks)))
-            self._chunks[index] = self.checked_chunk(index)
+            self._chunks[index] = self._checked_chunk(index)
         return self._chunks[index]
 
-    def checked_chunk(self, index: int) -> dict[str, np.ndarray]:
+    def _checked_chunk(self, index: int) -> dict[str, np.ndarray]:
         """Arrays of a file of states: what must be there is there, in shapes that fit the scene."""
         path = self.folder / f"states/chunk_{index:06d}.npz"
         arrays = read_npz(path)
@@ -279,6 +281,13 @@ def place_width(part: dict[str, Any]) -> int:
     if "held_place" not in part:
         return 0
     return _JOINT_WIDTHS[part["kind"]] if "kind" in part else 3 * pair_count(part)
+
+
+def stacked(rows: Sequence[Floats | None], numbers: Sequence[int]) -> Floats:
+    """What a state has of rigid bodies with these numbers, in a row of numbers (k,)."""
+    found = [row for i in numbers if (row := rows[i]) is not None]
+    need(len(found) == len(numbers), "a state lacks what it must have of a rigid body")
+    return np.concatenate([np.zeros(0), *(row.reshape(-1) for row in found)])
 
 
 def _shapes(body: Body, i: int, arrays: dict[str, np.ndarray]) -> dict[str, tuple[int, ...]]:

@@ -6,9 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .certificate import NOT_APPLICABLE, VERIFIED, VIOLATED, Claim, comparable
-from .run import Run, State
+from .files import need
+from .run import Run, State, stacked
+
+Floats = NDArray[np.float64]
 
 #: Rounding of a pose times a vertex, over the size of the coordinates.
 _ROUNDING = 1e-12
@@ -25,24 +29,45 @@ class ShapeCheck:
     allowed: float = 0.0
     where: dict[str, Any] | None = None
 
+    def __post_init__(self) -> None:
+        bodies = [(i, body) for i, body in enumerate(self.run.bodies) if body.has_pose]
+        self.numbers: list[int] = [i for i, _ in bodies]
+        counts = np.array([body.vertex_count for _, body in bodies], dtype=np.int64)
+        need(bool((counts > 0).all()), "a rigid body has no vertices")
+        #: First vertices of bodies, and the bodies of vertices, counting rigid ones only.
+        self.firsts: NDArray[np.int64] = np.cumsum(counts) - counts
+        self.owners: NDArray[np.int64] = np.repeat(np.arange(len(counts)), counts)
+        fixed = np.array([body.motion == "fixed" for _, body in bodies], dtype=bool)
+        self.is_still: NDArray[np.bool_] = fixed[self.owners]
+
     def add(self, state: State) -> None:
         self.start = self.start or state
-        for i, body in enumerate(self.run.bodies):
-            first, pose = self.start.poses[i], state.poses[i]
-            if first is None or pose is None:
-                continue
-            x0, x = self.start.positions[i], state.positions[i]
-            turn = pose[1:] @ first[1:].T
-            expected = x0 if body.motion == "fixed" else pose[0] + (x0 - first[0]) @ turn.T
-            # A matrix that is no rotation would carry a deformed shape along, or its mirror image.
-            skew = float(np.abs(turn @ turn.T - np.eye(3)).max())
-            skew = max(skew, 1.0 - float(np.linalg.det(turn)))
-            size = float(np.abs(x0).max() + np.abs(x).max()) + 1e-300
-            error = float(np.abs(x - expected).max()) + skew * size
-            share = comparable(error / (_ROUNDING * size))
-            if share > self.share:
-                self.share, self.worst, self.allowed = share, error, _ROUNDING * size
-                self.where = {"time": state.time, "bodies": [body.name]}
+        if not self.numbers:
+            return
+        poses0, poses = (stacked(s.poses, self.numbers).reshape(-1, 4, 3) for s in (self.start, state))
+        x0, x = (stacked(s.positions, self.numbers).reshape(-1, 3) for s in (self.start, state))
+        turns = poses[:, 1:] @ poses0[:, 1:].transpose(0, 2, 1)
+        arms = x0 - poses0[self.owners, 0]
+        expected = poses[self.owners, 0]
+        for k in range(3):
+            expected += arms[:, k, None] * turns[self.owners, :, k]
+        expected[self.is_still] = x0[self.is_still]
+        # A matrix that is no rotation would carry a deformed shape along, or its mirror image.
+        off = np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+        skew = np.maximum(off, 1.0 - np.linalg.det(turns))
+        size = self._largest(x0) + self._largest(x) + 1e-300
+        error = self._largest(x - expected) + skew * size
+        share = error / (_ROUNDING * size)
+        worst = int(np.argmax(share))  # the first NaN, if there are any
+        if comparable(float(share[worst])) > self.share:
+            self.share = comparable(float(share[worst]))
+            self.worst, self.allowed = float(error[worst]), _ROUNDING * float(size[worst])
+            self.where = {"time": state.time, "bodies": [self.run.bodies[self.numbers[worst]].name]}
+
+    def _largest(self, rows: Floats) -> Floats:
+        """Largest absolute value of each body."""
+        largest: Floats = np.maximum.reduceat(np.abs(rows).max(axis=1), self.firsts)
+        return largest
 
     def claims(self) -> list[Claim]:
         name, basis = "rigid_shapes", "states, vertices against poses"

@@ -137,7 +137,11 @@ class Surface:
 
     def _tree(self, primitives: Integers, low: Floats, high: Floats) -> BoxTree:
         bodies = self.body_of[primitives[:, 0]] if len(primitives) else np.zeros(0, dtype=np.int64)
-        return BoxTree(low[primitives].min(axis=1), high[primitives].max(axis=1), bodies, len(self.bodies))
+        lowest, highest = low[primitives[:, 0]], high[primitives[:, 0]]
+        for column in primitives.T[1:]:
+            np.minimum(lowest, low[column], out=lowest)
+            np.maximum(highest, high[column], out=highest)
+        return BoxTree(lowest, highest, bodies, len(self.bodies))
 
     def _pairs(self, tree_a: BoxTree, a: Integers, tree_b: BoxTree, b: Integers) -> PairList:
         i, j = overlapping_pairs(tree_a, tree_b, self.allowed)
