@@ -51,11 +51,12 @@ KINDS: dict[str, BodyKind] = {
         colors=((0.22, 0.23, 0.26), (0.72, 0.28, 0.24), (0.30, 0.42, 0.62)),
     ),
 }  # fmt: skip
+_OTHER = BodyKind()
 
 
 def row_of(body: Any) -> BodyKind:
     """Row of a handle, of a body of a recording, or of anything with a ``kind``; others have points."""
-    return KINDS.get(str(getattr(body.kind, "name", body.kind)).lower(), BodyKind())
+    return KINDS.get(str(getattr(body.kind, "name", body.kind)).lower(), _OTHER)
 
 
 def has_points(body: Any) -> bool:

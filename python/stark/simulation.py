@@ -413,7 +413,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
 
     def __getitem__(self, body: Body | str) -> Any:
         """The handle of a body, bound to this simulation."""
-        found = self._scene.bodies[self._scene._index(body)]
+        found = self._scene._bodies[self._scene._index(body)]
         if found._index >= self._core.body_count:
             raise added_later(f"'{found.name}'", f"sim['{found.name}']")
         return found._bound_to(self)

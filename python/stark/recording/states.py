@@ -34,11 +34,13 @@ once.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stark.body_kinds import has_frames, has_points, has_pose, row_of
 
@@ -55,17 +57,13 @@ def describe(sim: Any) -> dict[str, Any]:
     """What the checker has to know about the scene of a simulation, as JSON."""
     scene, settings = sim.scene._core, sim.settings
     bodies = [_body(scene, body, sim.contact_distance(body)) for body in sim.bodies]
+    prescribed = _prescribed(bodies)
     return {
         "version": STATES_VERSION,
         "bodies": bodies,
         "contact_enabled": settings["contact.enabled"],
-        "pairs_without_contact": _pairs_without_contact(scene, len(bodies), settings["contact.self_contact"]),
-        "pairs_prescribed": [
-            (a, b)
-            for a in range(len(bodies))
-            for b in range(a + 1, len(bodies))
-            if scene.meeting_matters(a, b)
-        ],
+        "pairs_without_contact": _pairs_without_contact(scene, prescribed, settings["contact.self_contact"]),
+        "pairs_prescribed": _pairs_prescribed(scene, prescribed),
         "joints": [
             {
                 "name": joint.name,
@@ -124,15 +122,43 @@ def _body(scene: Any, body: Any, contact_distance: float) -> dict[str, Any]:
     return entry | ({"inertia": scene.inertia(body._index)} if has_pose(body) else {})
 
 
-def _pairs_without_contact(scene: Any, count: int, self_contact: bool) -> list[tuple[int, int]]:
-    """Pairs (a <= b) of numbers of bodies that may pass through each other, but for those that joints and
-    attachments keep apart."""
-    return [
-        (a, b)
-        for a in range(count)
-        for b in range(a, count)
-        if not scene.contact_possible(a, b) or (a == b and not self_contact)
+@dataclass(frozen=True)
+class _Prescribed:
+    """Of a scene of so many bodies those that are not dynamic, and their pairs (k,), a < b."""
+
+    count: int
+    a: NDArray[np.int64]
+    b: NDArray[np.int64]
+    moves: NDArray[np.bool_]  # (k,): one of both is scripted
+
+
+def _prescribed(bodies: Sequence[Mapping[str, Any]]) -> _Prescribed:
+    numbers = np.array([i for i, body in enumerate(bodies) if body["motion"] != "dynamic"], dtype=np.int64)
+    scripted = np.array([bodies[i]["motion"] == "scripted" for i in numbers.tolist()], dtype=bool)
+    a, b = np.triu_indices(len(numbers), 1)
+    return _Prescribed(len(bodies), numbers[a], numbers[b], scripted[a] | scripted[b])
+
+
+def _pairs_without_contact(scene: Any, prescribed: _Prescribed, self_contact: bool) -> NDArray[np.int64]:
+    """Pairs (a <= b) of numbers of bodies (k, 2) that may pass through each other, but for those that joints
+    and attachments keep apart: prescribed ones, those of which contact was disabled, bodies with themselves.
+    Only these are asked for: of all pairs there may be millions."""
+    count = prescribed.count
+    asked = {*scene.pairs_named(), *((a, a) for a in range(count))}
+    apart = [
+        a * count + b
+        for a, b in asked
+        if b < count and (not scene.contact_possible(a, b) or (a == b and not self_contact))
     ]
+    codes = np.union1d(np.array(apart, dtype=np.int64), prescribed.a * count + prescribed.b)
+    return np.stack(np.divmod(codes, count), axis=1)
+
+
+def _pairs_prescribed(scene: Any, prescribed: _Prescribed) -> NDArray[np.int64]:
+    """Pairs (a < b) of prescribed bodies (k, 2) that meet where one is moved into the other."""
+    pairs = np.stack([prescribed.a, prescribed.b], axis=1)[prescribed.moves]
+    matters = [scene.meeting_matters(a, b) for a, b in pairs.tolist()]
+    return np.asarray(pairs[np.array(matters, dtype=bool)])
 
 
 def _plain(value: Any) -> Any:
@@ -142,7 +168,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [_plain(item) for item in value]
     if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
+        return value.tolist() if value.dtype.kind in "biu" else _plain(value.tolist())
     if isinstance(value, (float, np.floating)):
         return float(value) if np.isfinite(value) else None
     return value.item() if isinstance(value, np.generic) else value
@@ -260,17 +286,20 @@ def _state_of(sim: Any, *, with_history: bool = True) -> dict[str, np.ndarray]:
         state |= _velocities_of(sim)
     turning = sim._core.state.arrays()["body_angular_velocity"]
     for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
+        moved_by = row_of(body).moved_by
         state[f"positions_{i:04d}"] = np.asarray(body.positions, dtype=np.float64)
-        if not has_points(body):
-            rows = turning[place[2] : place[2] + place[3]]
-            state[f"angular_velocities_{i:04d}"] = rows[0] if has_pose(body) else rows
-        if has_pose(body):
-            position, rotation = body.pose
-            state[f"poses_{i:04d}"] = np.vstack([position, rotation])
-            if (motion := sim._core.surface_motion(i)) is not None:
-                state[f"surface_motions_{i:04d}"] = np.array(motion[:2], dtype=np.float64)
-        if has_frames(body):
+        if moved_by == "points":
+            continue
+        rows = turning[place[2] : place[2] + place[3]]
+        if moved_by == "frames":
+            state[f"angular_velocities_{i:04d}"] = rows
             state[f"frames_{i:04d}"] = np.asarray(body.frames)
+            continue
+        position, rotation = body.pose
+        state[f"angular_velocities_{i:04d}"] = rows[0]
+        state[f"poses_{i:04d}"] = np.concatenate([position[None], rotation])
+        if (motion := sim._core.surface_motion(i)) is not None:
+            state[f"surface_motions_{i:04d}"] = np.array(motion[:2], dtype=np.float64)
     state["joints"] = np.array([joint.enabled for joint in sim.joints], dtype=np.int8)
     status = [sim._core.attachment_status(k) for k in range(len(sim.attachments))]
     state["attachments"] = np.concatenate([*status, np.zeros(0)]).astype(np.int8)
