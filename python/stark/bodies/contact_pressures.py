@@ -14,6 +14,9 @@ from stark.mesh.face_shapes import cut_faces, face_shares, uncut_faces
 
 Floats = NDArray[np.float64]
 
+#: Of nodes in faces of nine, from 0 to 1 (shape_functions() of face_shapes).
+_PLACES = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (1, 0.5), (0.5, 1), (0, 0.5), (0.5, 0.5)])
+
 
 def pressures_of(bodies: Sequence[Any], contacts: Any) -> list[Floats]:
     """``body.contact_pressure()`` of each of the bodies with triangles of a simulation, whose ``contacts``
@@ -80,10 +83,12 @@ def touched(contacts: Any, patches: Sequence[Indices], triangles: Indices, count
     return np.asarray(vertex[triangles].all(axis=1))
 
 
-def areas_of(x: Floats, triangles: Indices) -> Floats:
-    """Of triangles (m,), with vertices at x (n, 3)."""
-    a, b, c = (x[corners] for corners in triangles.T)
-    areas: Floats = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+def areas_of(points: Floats, triangles: Indices) -> Floats:
+    """Of triangles (m,), with vertices at points (n, 3)."""
+    a, b, c = (np.asarray(points)[corners] for corners in triangles.T)
+    (ux, uy, uz), (vx, vy, vz) = (b - a).T, (c - a).T
+    x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx  # np.cross() takes 40 us
+    areas: Floats = 0.5 * np.sqrt(x * x + y * y + z * z)
     return areas
 
 
@@ -105,20 +110,24 @@ class VertexShares:
         faces = None if mesh is None else uncut_faces(mesh, triangles)
         self._faces = triangles if faces is None else faces
         shares = np.full(3, 1.0 / 3.0) if faces is None else face_shares(faces.shape[1])
+        self._shares = shares
         touch = np.asarray(touching.reshape(len(self._faces), -1).all(axis=1))
         self._is_touched = np.zeros(count, dtype=bool)
         self._is_touched[self._faces[touch]] = True
         self._counts = self._is_touched[self._faces] == touch[:, None]  # faces for their nodes (m, k)
         self._is_corner = shares == 0.0  # nodes that have no area, of quadratic tetrahedra
-        self._faces_of_corner = self._sums(self._is_corner * np.ones(self._faces.shape))
+        self._faces_of_corner = self._sums(self._is_corner)
         face_areas = triangle_areas.reshape(len(self._faces), -1).sum(axis=1)
-        self._areas = self._sums(face_areas[:, None] * shares)
+        self._parts = face_areas[:, None] * shares
+        self._areas = self._sums(self._parts)
 
     def pressure(self, forces: Floats) -> Floats:
-        """Forces (n,) [N] over areas (n,) [Pa]. Vertices without an area give their force to the other nodes
-        of their faces in equal parts, and have the mean pressure of these."""
-        lent = self._lend(forces)
-        pressure = np.divide(lent, self._areas, out=np.zeros_like(lent), where=self._areas > 0.0)
+        """Forces (n,) [N] over areas (n,) [Pa], of faces of nine nodes evened. Vertices without an area give
+        their force to the other nodes of their faces in equal parts, and have the mean pressure of these."""
+        if not self._is_corner.any():
+            pressure = self._over_areas(forces)
+            return self._evened(pressure) if len(self._shares) == 9 else pressure
+        pressure = self._over_areas(self._lend(forces))
         sums = self._sums(self._is_corner * pressure[self._faces[:, ~self._is_corner]].mean(axis=1)[:, None])
         presses = (self._faces_of_corner > 0.0) & (self._is_touched | (forces > 0.0))
         return np.divide(sums, self._faces_of_corner, out=pressure, where=presses)
@@ -126,6 +135,26 @@ class VertexShares:
     def mean_pressure(self, forces: Floats, vertices: Indices) -> float:
         """Of these vertices together [Pa]."""
         return float(forces[vertices].sum() / self._areas[vertices].sum())
+
+    def _evened(self, pressure: Floats) -> Floats:
+        """At nodes (n,) the mean of their faces, in each of which it is bilinear, with the force and the
+        moments of its nodes: what lies between the shares of the area that they have by their shape
+        functions, and those of contact, thirds of triangles, alternates from node to node. Nothing is lost,
+        and nowhere is a face pulled."""
+        u, v = 2.0 * _PLACES.T - 1.0
+        terms = np.stack([np.ones(9), u, v, u * v], axis=1)
+        each = pressure[self._faces]
+        factors = (self._shares * each) @ terms / (self._shares @ terms**2)
+        varying = factors[:, 1:] @ terms[:, 1:].T
+        least = -varying.min(axis=1)
+        within = np.divide(factors[:, 0], least, out=np.ones(len(least)), where=least > factors[:, 0])
+        evened = np.maximum(factors[:, :1] + within[:, None] * varying, 0.0)
+        whole = self._counts.all(axis=1)[:, None]
+        return self._over_areas(self._sums(self._parts * np.where(whole, evened, each)))
+
+    def _over_areas(self, forces: Floats) -> Floats:
+        pressures: Floats = np.divide(forces, self._areas, out=np.zeros_like(forces), where=self._areas > 0.0)
+        return pressures
 
     def _lend(self, forces: Floats) -> Floats:
         """Forces (n,) with those of vertices without an area given away."""
@@ -139,6 +168,5 @@ class VertexShares:
 
     def _sums(self, values: Floats) -> Floats:
         """By vertex, of what the nodes of faces have (m, k), of the faces that count for them."""
-        sums = np.zeros(len(self._is_touched))
-        np.add.at(sums, self._faces[self._counts], np.broadcast_to(values, self._faces.shape)[self._counts])
-        return sums
+        each = np.where(self._counts, values, 0.0).ravel()
+        return np.asarray(np.bincount(self._faces.ravel(), each, len(self._is_touched)), dtype=np.float64)

@@ -268,9 +268,10 @@ class ContactSensors(BodyHandle):
     def contact_pressure(self, other: BodyHandle | str | None = None) -> Array:
         """Normal contact force over the area that belongs to each vertex (n,) [Pa]: a third of its triangles,
         or of those that touch where there are any; of hexahedra and quadratic tetrahedra what their shape
-        functions have of their faces. Flat faces of rigid bodies that have vertices inside them
-        show their mean: how a rigid face shares its load is not determined. Raises InvalidArgument for rods,
-        which have no triangles."""
+        functions have of their faces. With 27 nodes, pressures are bilinear in each face, and nodes show the
+        mean of their faces. Flat faces of rigid bodies that have vertices inside them show their mean: how a
+        rigid face shares its load is not determined. Raises InvalidArgument for rods, which have no
+        triangles."""
         self._require_triangles("contact_pressure")
         return self._pressure_of(self.contacts(other))
 

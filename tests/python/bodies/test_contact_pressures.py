@@ -17,6 +17,7 @@ MESHES = {
     "hex8": stark.mesh.box_hexahedra(SIDE, 4),
     "hex27": stark.mesh.to_quadratic(stark.mesh.box_hexahedra(SIDE, 2)),
 }
+FINE = stark.mesh.to_quadratic(stark.mesh.box_hexahedra(SIDE, 4))
 
 
 def settled(mesh: Any, support: stark.TriangleMesh | None = None) -> Any:
@@ -63,8 +64,9 @@ def test_faces_that_touch_in_part_carry_all_of_the_force(element: str) -> None:
         ("tet4", 3e4, 0.999, 1.001),
         ("tet10", 3e4, 0.93, 1.07),
         ("hex8", 3e4, 0.8, 1.2),
-        ("hex27", 3e4, 0.8, 2.4),
-        ("hex27", 3e6, 0.9, 1.3),
+        ("hex27", 3e4, 0.95, 1.05),
+        ("hex27", 3e6, 0.98, 1.02),
+        ("hex27, fine", 3e4, 0.94, 1.03),
     ],
 )
 def test_an_even_pressure_through_layers_of_any_stiffness(
@@ -76,7 +78,7 @@ def test_an_even_pressure_through_layers_of_any_stiffness(
     scene = stark.Scene()
     scene.default_friction = 1e-3
     options = {"contact_distance": 1e-3, "contact_stiffness": layer}
-    mesh = MESHES[element].scaled(side / SIDE)
+    mesh = MESHES.get(element, FINE).scaled(side / SIDE)
     scene.add_floor(**options)
     rubber = stark.SolidMaterial(density=100.0, youngs_modulus=1e6, poissons_ratio=0.0)
     block = scene.add_solid(mesh, rubber, position=(0, 0, side / 2 + 1.5e-3), **options)
@@ -88,6 +90,47 @@ def test_an_even_pressure_through_layers_of_any_stiffness(
     top = relative > 0.0
     assert least < relative[top].min() and relative[top].max() < most, (relative[top].min(), relative.max())
     assert block.contact_forces[top].sum(axis=0)[2] == pytest.approx(-load, rel=1e-3)
+
+
+def nodal_areas(x: np.ndarray, faces: np.ndarray, shares: list[float]) -> np.ndarray:
+    """Shares of the areas of flat faces, by their four corners, at all nodes."""
+    a, b, c, d = (x[faces[:, k]] for k in range(4))
+    size = 0.5 * np.linalg.norm(np.cross(c - a, d - b), axis=1)
+    areas = np.zeros(len(x))
+    np.add.at(areas, faces, size[:, None] * np.array(shares))
+    return areas
+
+
+def test_a_ball_presses_quadratic_hexahedra_as_hertz_says() -> None:
+    """A ball of 0.2 m on a block of cells of 20 mm, layers of 0.5 mm that yield more than these. Within 5 %
+    of the largest pressure at the nodes, where it was 16 %, and its peak 1.66 times too large. Nothing is
+    pulled, and the pressures over the areas of the nodes add up to the load."""
+    load, radius, side, modulus, ratio = 400.0, 0.2, 0.12, 1e6, 0.3
+    scene = stark.Scene()
+    scene.default_friction = 0.0
+    options = {"contact_distance": 5e-4, "contact_stiffness": 3e5}
+    scene.add_floor(**options)
+    rubber = stark.SolidMaterial(density=10.0, youngs_modulus=modulus, poissons_ratio=ratio)
+    mesh = stark.mesh.to_quadratic(stark.mesh.box_hexahedra(side, 6))
+    block = scene.add_solid(mesh, rubber, position=(0, 0, side / 2 + 8e-4), **options)
+    sphere = stark.mesh.sphere(radius, 5)
+    place = (0, 0, side + radius + 2e-3)
+    ball = scene.add_rigid(sphere, mass=load / 9.81, position=place, **options)
+    scene.add_slider(None, ball, anchor=ball.position, axis="z")
+    sim = stark.Simulation(scene, time_step=0.02, **{"time.integrator": "quasistatic"})
+    for report in sim.run(0.1):
+        assert not report.failed, report.message
+    pressure = block.contact_pressure(ball)
+    spot = (3 * load * radius * (1 - ratio**2) / (4 * modulus)) ** (1 / 3)
+    peak = 1.5 * load / (np.pi * spot**2)
+    x, top = np.asarray(block.positions), block.mesh.vertices[:, 2] > side / 2 - 1e-9
+    exact = peak * np.sqrt(np.maximum(0.0, 1.0 - (x[:, 0] ** 2 + x[:, 1] ** 2) / spot**2))[top]
+    assert np.sqrt(np.mean((pressure[top] - exact) ** 2)) < 0.06 * peak
+    assert pressure.max() == pytest.approx(peak, rel=0.03) and pressure.min() == 0.0
+    faces = block.mesh.elements[(top[block.mesh.elements].sum(axis=1)) == 9]
+    faces = np.array([[n for n in cell if top[n]] for cell in faces])  # four corners, then four sides, middle
+    areas = nodal_areas(x, faces, [1 / 36] * 4 + [4 / 36] * 4 + [16 / 36])
+    assert pressure @ areas == pytest.approx(load, rel=0.01)  # faces are bent a little
 
 
 def test_rods_have_no_area_to_spread_their_force_over() -> None:
