@@ -111,7 +111,7 @@ class FieldWriter:
                 if body.name not in values:
                     raise RecordingError(f"recording: field '{entry.name}' has no values of '{body.name}'")
                 row[f"values_{k:02d}_{i:04d}"] = at_surface(body, values[body.name]).astype(np.float32)
-        return row | (_contacts(sim) if self.contacts else {})
+        return row | (_contacts(sim, len(bodies)) if self.contacts else {})
 
 
 def _built_in(sim: Any, name: str) -> FieldEntry:
@@ -142,11 +142,11 @@ def _given(sim: Any, title: str, function: Arrays) -> dict[str, np.ndarray]:
         raise RecordingError(f"recording: field '{title}': {error}") from error
 
 
-def _contacts(sim: Any) -> dict[str, np.ndarray]:
+def _contacts(sim: Any, body_count: int) -> dict[str, np.ndarray]:
     found = sim.contacts
     points = 0.5 * (found.points_a + found.points_b)
     forces, bodies = np.asarray(found.forces), np.asarray(found.bodies).reshape(-1, 2)
-    sums = np.zeros((len(sim.bodies), 3))
+    sums = np.zeros((body_count, 3))
     np.add.at(sums, bodies[:, 0], forces)
     np.subtract.at(sums, bodies[:, 1], forces)
     largest = np.argsort(-np.linalg.norm(forces, axis=1), kind="stable")[:MOST_CONTACTS]

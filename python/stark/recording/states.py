@@ -48,7 +48,7 @@ from ..array_file import DamageError, make_folder, read_arrays, write_arrays, wr
 from ..files import LARGEST_TEXT, read_bytes
 from . import chain
 from .chain import RowChain
-from .format import STATES, STATES_VERSION, RecordingError
+from .format import STATES, STATES_VERSION, RecordingError, shown_mesh
 from .formulas import described_formula
 from .masses import edge_lengths, point_masses, second_moments
 
@@ -394,7 +394,7 @@ def _mesh(sim: Any) -> dict[str, np.ndarray]:
         arrays[f"triangles_{i:04d}"] = np.asarray(body.triangles, dtype=np.int32).reshape(-1, 3)
         own_edges = np.zeros((0, 2)) if row_of(body).has_triangles else body.mesh.edges
         arrays[f"edges_{i:04d}"] = np.asarray(own_edges, dtype=np.int32)
-        if (shown := getattr(body, "shown", None)) is not None:
+        if (shown := shown_mesh(body)) is not None:
             arrays[f"shown_{i:04d}"] = shown.vertices
             arrays[f"shown_triangles_{i:04d}"] = shown.triangles.astype(np.int32)
         for name, values in (

@@ -42,8 +42,16 @@ def of_solid(body: Any) -> Deformation:
 def of_cloth(body: Any, first: np.ndarray | None = None) -> Deformation:
     """Of triangles, whose first axis is their first edge, or the part of ``first`` (3,) or (m, 3) in their
     planes at rest."""
+    inverses, areas = _at_rest(body) if first is None else _sheet_at_rest(body, first)
     triangles = body.triangles
-    X, x = body.mesh.vertices[triangles], body.positions[triangles]
+    x = body.positions[triangles]
+    now = np.stack([x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]], axis=-1)
+    return Deformation((now @ inverses)[:, None], triangles, areas)
+
+
+def _sheet_at_rest(body: Any, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """What makes deformation gradients of the edges of triangles (m, 2, 2), and areas (m,)."""
+    X = body.mesh.vertices[body.triangles]
     edges = np.stack([X[:, 1] - X[:, 0], X[:, 2] - X[:, 0]], axis=-1)  # (m, 3, 2)
     normals = np.cross(edges[..., 0], edges[..., 1])
     areas = 0.5 * np.linalg.norm(normals, axis=1)
@@ -52,8 +60,16 @@ def of_cloth(body: Any, first: np.ndarray | None = None) -> Deformation:
     along = along - normals * (along * normals).sum(axis=1, keepdims=True)
     e1 = along / np.linalg.norm(along, axis=1, keepdims=True)
     axes = np.stack([e1, np.cross(normals, e1)], axis=1)  # (m, 2, 3)
-    now = np.stack([x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]], axis=-1)
-    return Deformation((now @ np.linalg.inv(axes @ edges))[:, None], triangles, areas)
+    return np.linalg.inv(axes @ edges), areas
+
+
+def _at_rest(body: Any) -> tuple[np.ndarray, np.ndarray]:
+    """The same along first edges, which is computed once for all handles of a body."""
+    known: dict[str, Any] = getattr(body, "_shared", {})
+    if "at_rest" not in known:
+        known["at_rest"] = _sheet_at_rest(body)
+    found: tuple[np.ndarray, np.ndarray] = known["at_rest"]
+    return found
 
 
 def at_vertices(deformation: Deformation, values: np.ndarray, count: int) -> np.ndarray:

@@ -208,7 +208,10 @@ def _limit(material: Any, F: np.ndarray) -> tuple[Any, Any]:
     if not np.isfinite(limit).any() or material.strain_limit_law != "green_strain":
         return 0.0, 0.0
     k, eta = (_by_element(material, f"strain_limit_{name}") for name in ("stiffness", "hardening"))
-    values, vectors = np.linalg.eigh(0.5 * (np.swapaxes(F, -1, -2) @ F - np.eye(F.shape[-1])))
+    strain = 0.5 * (np.swapaxes(F, -1, -2) @ F - np.eye(F.shape[-1]))
+    if ((strain**2).sum(axis=(-1, -2)) < np.maximum(limit, 0.0) ** 2).all():  # no eigenvalue is beyond it
+        return 0.0, 0.0
+    values, vectors = np.linalg.eigh(strain)
     excess = np.maximum(values - np.asarray(limit)[..., None], 0.0)
     S, cube = (excess**3).sum(axis=-1), np.minimum(limit, 1e30) ** 3
     psi = k / 3.0 * S * (1.0 + eta * S / (S + cube))

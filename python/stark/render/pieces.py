@@ -14,7 +14,7 @@ from stark.body_kinds import row_of
 
 from .._core import InvalidArgument
 from ..mesh import TriangleMesh
-from ..recording.format import surface
+from ..recording.format import shown_mesh, surface
 from ..tubes import rings
 from .caps import cap
 from .clipping import Plane, cut_triangles, section
@@ -102,7 +102,7 @@ def require_finite(name: str, positions: np.ndarray) -> None:
 
 def at_surface(body: Any, values: np.ndarray) -> np.ndarray:
     """Values of the drawn vertices, of those of all vertices."""
-    if getattr(body, "shown", None) is not None:
+    if shown_mesh(body) is not None:
         return np.asarray(values[_touching(body)])
     if hasattr(type(body), "_surface"):  # a solid: those of its vertices that are on its surface
         used = body._surface()[1]

@@ -67,3 +67,19 @@ def test_means_are_weighted_by_size() -> None:
     assert means[-1] == 0.0  # of no element
     tensors = at_vertices(deformation, values[..., None, None] * np.eye(3), len(TETS.vertices))
     assert tensors[:, 1, 1] == pytest.approx(means[:-1]) and np.abs(tensors[:, 0, 1]).max() == 0.0
+
+
+def test_what_a_sheet_is_at_rest_is_computed_once() -> None:
+    """Its deformation is that of the state that is asked for, by all handles of the body."""
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.2, 0.1, cells=(4, 2)), stark.materials.cotton)
+    sims = [stark.Simulation(scene) for _ in range(2)]
+    first = of_cloth(sheet)
+    with sims[1].placing():
+        sims[1][sheet].positions = 1.5 * np.asarray(sheet.positions)
+    stretched, again = of_cloth(sims[1][sheet]), of_cloth(sims[0][sheet])
+    assert stretched.sizes is first.sizes
+    assert stretched.gradients == pytest.approx(1.5 * np.asarray(first.gradients), abs=1e-12)
+    assert (again.gradients == first.gradients).all()
+    along = of_cloth(sims[1][sheet], np.array([1.0, 1.0, 0.0]))
+    assert np.linalg.norm(along.gradients, axis=-2) == pytest.approx(1.5)
