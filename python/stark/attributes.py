@@ -35,7 +35,10 @@ class KnownAttributes:
     _given_by: ClassVar[Mapping[str, str]] = {}
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if not name.startswith("_") and not _declares(type(self), name):
+        if name.startswith("_"):
+            object.__setattr__(self, name, value)
+            return
+        if not _declares(type(self), name):
             raise attribute_error(self._unknown_attribute(name), name)
         if isinstance(known := getattr(type(self), name, None), property) and known.fset is None:
             raise AttributeError(self._read_only_attribute(name))

@@ -35,18 +35,18 @@ def _given(name: str, value: object) -> str:
 
 def vector(value: ArrayLike, name: str) -> NDArray[np.float64]:
     """Three finite numbers as an array of shape (3,), or InvalidArgument that calls them ``name``."""
-    refuse_masked(value, name)
     try:
         result = real_array(value, name)
     except InvalidArgument:
+        refuse_masked(value, name)  # says more of those
         raise InvalidArgument(f"{_given(name, value)}: must be three numbers") from None
     if result.shape != (3,):
         raise InvalidArgument(f"{_given(name, value)}: must be three numbers, got the shape {result.shape}")
+    if all(-LARGEST < number < LARGEST for number in result.tolist()):
+        return result
     if not np.isfinite(result).all():
         raise InvalidArgument(f"{_given(name, value)}: must be finite; check where it is computed")
-    if np.abs(result).max() >= LARGEST:
-        raise InvalidArgument(f"{_given(name, value)}: none must be beyond 1e150; check where it is computed")
-    return result
+    raise InvalidArgument(f"{_given(name, value)}: none must be beyond 1e150; check where it is computed")
 
 
 def direction(value: str | ArrayLike, name: str) -> NDArray[np.float64]:

