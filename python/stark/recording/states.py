@@ -280,25 +280,25 @@ class StateWriter:
 def _state_of(sim: Any, *, with_history: bool = True) -> dict[str, np.ndarray]:
     """A state as it is recorded; ``with_history``: with what the integrator remembers."""
     state: dict[str, Any] = {"times": np.float64(sim.time)}
+    core, bodies = sim._core, list(sim.bodies)
     if with_history and sim.settings["time.integrator"] == "bdf2":
-        state |= _history_of(sim)
+        state |= _history_of(sim, bodies)
     if with_history and sim.settings["time.integrator"] == "implicit_euler":
-        state |= _velocities_of(sim)
-    turning = sim._core.state.arrays()["body_angular_velocity"]
-    for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
-        moved_by = row_of(body).moved_by
-        state[f"positions_{i:04d}"] = np.asarray(body.positions, dtype=np.float64)
-        if moved_by == "points":
+        state |= _velocities_of(bodies)
+    turning = core.state.arrays()["body_angular_velocity"]
+    poses = _poses_of(sim, bodies)
+    for i, (body, place) in enumerate(zip(bodies, core.places(), strict=True)):
+        state[f"positions_{i:04d}"] = core.positions(i)
+        if has_points(body):
             continue
         rows = turning[place[2] : place[2] + place[3]]
-        if moved_by == "frames":
+        if i not in poses:
             state[f"angular_velocities_{i:04d}"] = rows
             state[f"frames_{i:04d}"] = np.asarray(body.frames)
             continue
-        position, rotation = body.pose
         state[f"angular_velocities_{i:04d}"] = rows[0]
-        state[f"poses_{i:04d}"] = np.concatenate([position[None], rotation])
-        if (motion := sim._core.surface_motion(i)) is not None:
+        state[f"poses_{i:04d}"] = poses[i]
+        if (motion := core.surface_motion(i)) is not None:
             state[f"surface_motions_{i:04d}"] = np.array(motion[:2], dtype=np.float64)
     state["joints"] = np.array([joint.enabled for joint in sim.joints], dtype=np.int8)
     status = [sim._core.attachment_status(k) for k in range(len(sim.attachments))]
@@ -306,7 +306,7 @@ def _state_of(sim: Any, *, with_history: bool = True) -> dict[str, np.ndarray]:
     regained = sim._core.state.arrays()["contact_regained"]
     state["contact_regained"] = np.isin(np.arange(sim._core.exclusion_count), regained).astype(np.int8)
     placed = sim._core.placed_bodies
-    state["placed"] = np.isin(np.arange(len(sim.bodies)), placed).astype(np.int8)
+    state["placed"] = np.isin(np.arange(len(bodies)), placed).astype(np.int8)
     coordinates = [sim._core.joint_coordinates(k) for k in range(len(sim.joints))]
     state["placed_coordinates"] = np.concatenate([*coordinates, np.zeros(0)]) * float(len(placed) > 0)
     state["actuators"] = np.array([actuator.enabled for actuator in sim.actuators], dtype=np.int8)
@@ -317,20 +317,31 @@ def _state_of(sim: Any, *, with_history: bool = True) -> dict[str, np.ndarray]:
     return state
 
 
-def _velocities_of(sim: Any) -> dict[str, np.ndarray]:
+def _poses_of(sim: Any, bodies: Sequence[Any]) -> dict[int, np.ndarray]:
+    """Of rigid bodies, by number: position, then the rows of the rotation (4, 3)."""
+    rigid = [i for i, body in enumerate(bodies) if has_pose(body)]
+    if not rigid:
+        return {}
+    positions, rotations = sim._core.poses(rigid)
+    return dict(
+        zip(rigid, np.concatenate([positions[:, None], rotations.reshape(-1, 3, 3)], axis=1), strict=True)
+    )
+
+
+def _velocities_of(bodies: Sequence[Any]) -> dict[str, np.ndarray]:
     """Of the bodies that may turn as a whole: there they are no differences of places."""
     return {
         f"velocities_{i:04d}": np.array(body.velocities, dtype=np.float64)
-        for i, body in enumerate(sim.bodies)
+        for i, body in enumerate(bodies)
         if not has_pose(body) and len(body.pins) == 0
     }
 
 
-def _history_of(sim: Any) -> dict[str, np.ndarray]:
+def _history_of(sim: Any, bodies: Sequence[Any]) -> dict[str, np.ndarray]:
     """What the next step of bdf2 knows of the ones before, by body."""
     arrays, found = sim._core.state.arrays(), {}
     spins = [arrays[f"body_spin_{name}"] for name in ("increment", "contact_increment", "lag")]
-    for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
+    for i, (body, place) in enumerate(zip(bodies, sim._core.places(), strict=True)):
         turns = not has_points(body)
         first, count = place[2:4] if turns else place[0:2]
         rows = first if has_pose(body) else slice(first, first + count)
