@@ -52,15 +52,21 @@ class BoxTree:
             self.levels.append(self.levels[-1].parents(group_count))
 
 
-def overlapping_pairs(a: BoxTree, b: BoxTree, allowed: NDArray[np.bool_]) -> tuple[Integers, Integers]:
-    """Numbers of boxes of a and of b that overlap or touch, of groups that are allowed (G, G); a tree with
-    itself gives each pair once, without a box with itself."""
-    nothing = np.zeros(0, dtype=np.int64)
-    if not a.count or not b.count:
-        return nothing, nothing
+def group_table(allowed: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which groups matter to each other (G + 1, G + 1), from those that are allowed (G, G): the last one is
+    that of nodes of several groups."""
     table = np.ones((len(allowed) + 1,) * 2, dtype=bool)
     table[:-1, :-1] = allowed
     table[-1, :-1], table[:-1, -1] = allowed.any(axis=0), allowed.any(axis=1)
+    return table
+
+
+def overlapping_pairs(a: BoxTree, b: BoxTree, table: NDArray[np.bool_]) -> tuple[Integers, Integers]:
+    """Numbers of boxes of a and of b that overlap or touch, of groups that matter by their ``table``; a tree
+    with itself gives each pair once, without a box with itself."""
+    nothing = np.zeros(0, dtype=np.int64)
+    if not a.count or not b.count:
+        return nothing, nothing
     found = [(nothing, nothing)]
     root = np.zeros(1, dtype=np.int64)
     stack = [(len(a.levels) - 1, len(b.levels) - 1, root, root)]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .boxes import BoxTree, overlapping_pairs
+from .boxes import BoxTree, group_table, overlapping_pairs
 from .distances import Kind
 from .files import need
 from .run import Body, Run
@@ -72,6 +72,8 @@ class Surface:
         #: Of bodies attached to themselves, what their vertices are kept from.
         self._near: dict[tuple[int, int], Integers] = near_attachments(run.scene, run.bodies)
         self._regained: bytes | None = None
+        #: What is allowed, and the table of that, which is as large as there are pairs of bodies.
+        self._table: tuple[NDArray[np.bool_], NDArray[np.bool_]] | None = None
         self.watch(None)
 
     def watch(self, regained: NDArray[np.int8] | None) -> None:
@@ -144,7 +146,9 @@ class Surface:
         return BoxTree(lowest, highest, bodies, len(self.bodies))
 
     def _pairs(self, tree_a: BoxTree, a: Integers, tree_b: BoxTree, b: Integers) -> PairList:
-        i, j = overlapping_pairs(tree_a, tree_b, self.allowed)
+        if self._table is None or self._table[0] is not self.allowed:
+            self._table = self.allowed, group_table(self.allowed)
+        i, j = overlapping_pairs(tree_a, tree_b, self._table[1])
         first, second = a[i], b[j]
         shared = np.zeros(len(i), dtype=bool)
         for column_a in first.T:

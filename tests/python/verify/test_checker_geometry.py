@@ -6,7 +6,7 @@ import ipctk
 import numpy as np
 import pytest
 
-from stark.verify.boxes import BoxTree, overlapping_pairs
+from stark.verify.boxes import BoxTree, group_table, overlapping_pairs
 from stark.verify.distances import Kind, closest, lower_bound
 from stark.verify.paths import blocked_pairs
 from stark.verify.predicates import orientation_signs, segments_meet_triangles
@@ -33,12 +33,12 @@ def test_overlapping_boxes_are_those_of_all_pairs(count: int) -> None:
     tree = BoxTree(low, high, group, 4)
     touch = ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2) & allowed[group][:, group]
     expected = {(i, j) for i, j in np.argwhere(touch) if i < j}
-    pairs = list(zip(*overlapping_pairs(tree, tree, allowed), strict=True))
+    pairs = list(zip(*overlapping_pairs(tree, tree, group_table(allowed)), strict=True))
     assert {tuple(sorted(pair)) for pair in pairs} == expected
     assert len(pairs) == len(expected)
     half = count // 3
     other = BoxTree(low[:half], high[:half], group[:half], 4)
-    found = set(zip(*overlapping_pairs(tree, other, allowed), strict=True))
+    found = set(zip(*overlapping_pairs(tree, other, group_table(allowed)), strict=True))
     assert found == {(i, j) for i, j in np.argwhere(touch[:, :half])} | {
         (i, i) for i in range(half) if allowed[group[i], group[i]]
     }
