@@ -56,6 +56,11 @@ class Analytic final : public Objective {
     const double before = f_(x).energy, after = f_(trial).energy;
     return {feasible && std::isfinite(after), after - before, extra_magnitude + std::fabs(before), contact};
   }
+  bool relieve() override {
+    ++reliefs;
+    if (gives_way) bound = 1.0;
+    return can_give_way;
+  }
   void accept_trial() override {
     last = x;
     x = trial;
@@ -74,12 +79,12 @@ class Analytic final : public Objective {
   }
 
   Vec3 x, trial, last;
-  bool pending = false, feasible = true;
+  bool pending = false, feasible = true, gives_way = false, can_give_way = false;
   double contact = 0.0;  ///< of trial energies
   double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0, rounding = 0.0, noise = 0.0;
   int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, refreshed_early = 0, refreshed_late = 0,
       lag_rounds = 0;
-  int taken_back = 0;
+  int taken_back = 0, reliefs = 0;
   mutable std::vector<double> residuals;
 
  private:
