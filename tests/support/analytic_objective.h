@@ -56,10 +56,9 @@ class Analytic final : public Objective {
     const double before = f_(x).energy, after = f_(trial).energy;
     return {feasible && std::isfinite(after), after - before, extra_magnitude + std::fabs(before), contact};
   }
-  bool relieve() override {
+  void relieve() override {
     ++reliefs;
     if (gives_way) bound = 1.0;
-    return can_give_way;
   }
   void accept_trial() override {
     last = x;
@@ -79,7 +78,7 @@ class Analytic final : public Objective {
   }
 
   Vec3 x, trial, last;
-  bool pending = false, feasible = true, gives_way = false, can_give_way = false;
+  bool pending = false, feasible = true, gives_way = false;
   double contact = 0.0;  ///< of trial energies
   double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0, rounding = 0.0, noise = 0.0;
   int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, refreshed_early = 0, refreshed_late = 0,

@@ -178,9 +178,9 @@ def test_causes_that_were_wrong(seed: int, index: int, kind: str, cause: str, na
 
 @pytest.mark.parametrize("min_step", [1e-6, 3e-7])
 @pytest.mark.filterwarnings("ignore::stark.StarkWarning")
-def test_a_fast_impact_crushes_or_takes_shorter_steps(min_step: float) -> None:
-    """600 m/s into a plate: 0.6 mm in a microsecond, half of the contact distance. Of runs with steps that
-    differ by 1e-9, three quarters fail so; it was unknown. What is slow beside contact does not crush."""
+def test_contact_gives_way_to_a_fast_impact(min_step: float) -> None:
+    """600 m/s into a plate: 0.6 mm in a microsecond, half of the contact distance. With steps down to a
+    microsecond this was crushing_load, at first unknown; deep impacts have stiffer contact now."""
     from benchmarks.torture.campaign import description_of
     from benchmarks.torture.case import is_over, simulate
     from benchmarks.torture.random_kinds import KINDS
@@ -193,11 +193,7 @@ def test_a_fast_impact_crushes_or_takes_shorter_steps(min_step: float) -> None:
         report = sim.step(max_time_step=setup.until - sim.time)
         steps += 1
     assert report is not None
-    if min_step == 1e-6:
-        assert report.diagnosis.cause == "crushing_load", report.message
-        assert "rigid body 'rigid_2' (vertex 3) is" in report.message
-    else:
-        assert not report.failed, report.message
+    assert not report.failed, report.message
 
 
 @pytest.mark.slow

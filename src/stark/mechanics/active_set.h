@@ -40,8 +40,8 @@ class ActiveSet {
   virtual void refresh_early(const SitePositions& x, Lagged lagged) {
     static_cast<void>(x), static_cast<void>(lagged);
   }
-  /// Called where max_step() keeps steps short again and again: what is in the way may change for the rest of
-  /// the step. Returns whether it can.
+  /// Called where max_step() keeps steps short again and again: energies of what is in the way may change for
+  /// the rest of the step. Returns whether they may.
   virtual bool relieve(const SitePositions& x) { return static_cast<void>(x), false; }
   /// The lagged quantities before the last refresh belong to a solution that may be gone back to.
   virtual void keep_lagged() = 0;

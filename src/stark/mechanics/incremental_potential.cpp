@@ -350,10 +350,8 @@ void IncrementalPotential::refresh_early(Lagged lagged) {
   if (active_set_) active_set_->refresh_early(known(x_), lagged);
 }
 
-bool IncrementalPotential::relieve() {
-  if (!active_set_ || !active_set_->relieve(known(x_))) return false;
-  settled_.reset();  // of other energies
-  return true;
+void IncrementalPotential::relieve() {
+  if (active_set_ && active_set_->relieve(known(x_))) settled_.reset();  // of other energies
 }
 
 bool IncrementalPotential::restore_settled() {

@@ -77,7 +77,7 @@ class IncrementalPotential final : public Objective {
   bool take_back() override;
   double refresh_lagged(int round) override;
   void refresh_early(Lagged lagged) override;
-  bool relieve() override;
+  void relieve() override;
   bool restore_settled() override;
   bool is_within_reach(std::span<const double> direction) const override;
   bool has_run_away() const override;

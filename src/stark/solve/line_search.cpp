@@ -22,11 +22,11 @@ constexpr double kStillFalling = 0.5;  ///< share of it along longer steps, abov
 constexpr double kLengthening = 2.0, kLongestStep = 32.0;  ///< of full steps that are too short
 constexpr double kUnbent = 0.95;  ///< part of what the model promises that a step gains which met nothing new
 constexpr double kSmallestPower =
-    3.0;                          ///< of the length, with which what contact raises the energy by shrinks
-constexpr int kMostHalvings = 4;  ///< at once
-constexpr double kHeld = 0.05;    ///< bound of steps that collisions keep short
-constexpr int kReliefInterval = 6, kHeldForGood = 30;  ///< such steps in a row
-constexpr int kNearerTrials = 4;  ///< between such a step and the longer one that was refused
+    3.0;                            ///< of the length, with which what contact raises the energy by shrinks
+constexpr int kMostHalvings = 4;    ///< at once
+constexpr double kHeld = 0.05;      ///< bound of steps that collisions keep short
+constexpr int kReliefInterval = 6;  ///< such steps in a row
+constexpr int kNearerTrials = 4;    ///< between such a step and the longer one that was refused
 
 }  // namespace
 
@@ -147,11 +147,9 @@ void NewtonSolver::step_nearer(Objective& objective, double alpha, double refuse
   report_.last_difference = trial.difference;
 }
 
-bool NewtonSolver::is_held_for_good(Objective& objective) {
+void NewtonSolver::relieve(Objective& objective) {
   progress_.held_steps = report_.last_bound < kHeld ? progress_.held_steps + 1 : 0;
-  if (progress_.held_steps == 0 || progress_.held_steps % kReliefInterval != 0) return false;
-  // The shortest time step goes on to the end.
-  return objective.relieve() && progress_.held_steps >= kHeldForGood && is_way_clear_ && looks_early_;
+  if (progress_.held_steps > 0 && progress_.held_steps % kReliefInterval == 0) objective.relieve();
 }
 
 bool NewtonSolver::take_unsure_step(Objective& objective) {

@@ -133,7 +133,7 @@ std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
   if (searched == SolveStatus::RoundOff && progress_.round_off_steps >= kRoundOffIterations)
     return refresh_lagged(objective, SolveStatus::RoundOff);
   if (!pending && goes_around()) return SolveStatus::Detour;
-  if (!pending && is_held_for_good(objective)) return SolveStatus::HeldBack;
+  if (!pending) relieve(objective);
   if (!pending) refresh_early(objective);
   return handle_no_progress(objective, searched, pending);
 }

@@ -141,9 +141,8 @@ class NewtonSolver {
   bool is_used_up();
   /// Brings lagged quantities up to date on the way to the first solution with them.
   void refresh_early(Objective& objective);
-  /// Whether collisions keep steps short for so long that a shorter time step is the better way on; has the
-  /// objective give way on the way there.
-  bool is_held_for_good(Objective& objective);
+  /// Has the objective give way where collisions keep steps short again and again.
+  void relieve(Objective& objective);
   /// Whether full steps have not halved the residual for long.
   bool makes_no_headway();
   /// Whether refreshes keep moving the minimum to and fro.

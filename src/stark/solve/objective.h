@@ -84,8 +84,8 @@ class Objective {
   /// have a new energy then, which the next iterations minimise.
   virtual void refresh_early(Lagged lagged) { static_cast<void>(lagged); }
   /// Called between iterations where bound_step() keeps steps short again and again: energies of what is in
-  /// the way may change. Returns whether they can.
-  virtual bool relieve() { return false; }
+  /// the way may change.
+  virtual void relieve() {}
   /// Goes back to the last converged iterate at which all that was left to do was to refresh lagged
   /// quantities once more. Returns false when there is none.
   virtual bool restore_settled() { return false; }

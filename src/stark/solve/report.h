@@ -22,16 +22,15 @@ enum class SolveStatus : uint8_t {
   Detour,              ///< the straight way from start to end of the step leads through something
   ConstraintViolated,  ///< joints that contradict each other, or are beyond the reach of their bodies
   TimeBudget,          ///< max_seconds is used up
-  HeldBack,            ///< collisions keep steps short, and a shorter time step is the better way on
   RunAway,             ///< the iterate is beyond any scale of the objective: there is no minimum
 };
 
 template <>
 struct EnumNames<SolveStatus> {
-  static constexpr std::array<std::string_view, 13> kNames{
+  static constexpr std::array<std::string_view, 12> kNames{
       "converged",           "round_off", "max_iterations", "not_finite", "line_search_failed",
       "linear_solve_failed", "blocked",   "interrupted",    "detour",     "constraint_violated",
-      "time_budget",         "held_back", "run_away"};
+      "time_budget",         "run_away"};
 };
 
 constexpr bool is_success(SolveStatus status) {

@@ -24,9 +24,6 @@ AttemptFailure failure_of(SolveStatus status) {
       return {"interrupted", ""};
     case SolveStatus::TimeBudget:
       return {"newton.max_seconds is used up", "raise it, make the scene smaller, or loosen the tolerances"};
-    case SolveStatus::HeldBack:
-      return {"deep impacts left room for nothing but short steps of Newton's method",
-              "lower time.step, or raise contact_stiffness"};
     case SolveStatus::RunAway:
       return {"the bodies moved beyond any scale of the scene",
               "hold them, or use an integrator with inertia"};

@@ -18,7 +18,7 @@ AttemptFailure failure_of(SolveStatus status);
 /// Newton's method came to no end, as where an impact has pressed a contact to next to nothing.
 constexpr bool is_stuck(SolveStatus status) {
   return status == SolveStatus::MaxIterations || status == SolveStatus::LineSearchFailed ||
-         status == SolveStatus::Blocked || status == SolveStatus::HeldBack;
+         status == SolveStatus::Blocked;
 }
 
 }  // namespace stark
