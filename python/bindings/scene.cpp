@@ -91,6 +91,10 @@ void bind_friction(Class& c) {
 void bind_contact(Class& c) {
   def<&S::disable_contact, &S::enable_contact, &S::disable_contacts, &S::enable_contacts, &S::contact_enabled,
       &S::contact_possible, &S::meeting_matters>(c, {"a", "b"});
+  c.def("pairs_without_contact", [](const S& scene) {
+    return list_of(scene.pairs_without_contact(),
+                   [](const auto& pair) { return nb::make_tuple(pair.first, pair.second); });
+  });
   def(c, "joint_contact", path_of(&S::joint, &JointDescription::contact), {"joint"});
   def(c, "attachment_contact", path_of(&S::attachment, &AttachmentDescription::contact), {"attachment"});
 }

@@ -33,16 +33,6 @@ class RecordedScene(_core.Scene):
         self.assign(scene)
         del self.calls[calls:]
 
-    def pairs_named(self) -> set[tuple[int, int]]:
-        """Pairs (a <= b) of bodies for which contact was ever disabled, by themselves or in groups."""
-        pairs: set[tuple[int, int]] = set()
-        for name, arguments in self.calls:
-            if name == "disable_contact":
-                pairs.add((min(arguments), max(arguments)))
-            elif name == "disable_contacts":
-                pairs.update((min(a, b), max(a, b)) for a in arguments[0] for b in arguments[1] if a != b)
-        return pairs
-
     def _do(self, name: str, *arguments: Any) -> Any:
         kept = tuple(_copied(argument) for argument in arguments)
         result = getattr(super(), name)(*arguments)

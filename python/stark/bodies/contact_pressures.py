@@ -10,12 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark.mesh import Indices, Mesh, Polyline
-from stark.mesh.face_shapes import cut_faces, face_shares, uncut_faces
+from stark.mesh.face_shapes import cut_faces, face_shares, node_places, uncut_faces
 
 Floats = NDArray[np.float64]
-
-#: Of nodes in faces of nine, from 0 to 1 (shape_functions() of face_shapes).
-_PLACES = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (1, 0.5), (0.5, 1), (0, 0.5), (0.5, 0.5)])
 
 
 def pressures_of(bodies: Sequence[Any], contacts: Any) -> list[Floats]:
@@ -141,7 +138,7 @@ class VertexShares:
         moments of its nodes: what lies between the shares of the area that they have by their shape
         functions, and those of contact, thirds of triangles, alternates from node to node. Nothing is lost,
         and nowhere is a face pulled."""
-        u, v = 2.0 * _PLACES.T - 1.0
+        u, v = 2.0 * node_places(9).T - 1.0
         terms = np.stack([np.ones(9), u, v, u * v], axis=1)
         each = pressure[self._faces]
         factors = (self._shares * each) @ terms / (self._shares @ terms**2)

@@ -22,6 +22,8 @@ _CORNERS = {
 }
 # The same nodes of a face that is seen from its other side.
 _TURNED = {4: [0, 3, 2, 1], 6: [0, 2, 1, 5, 4, 3], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
+# Places of the nodes of quadrilaterals along both sides: at 0, at 1, in the middle.
+_ALONG = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2))
 _TRIANGLES = {8: 2, 10: 4, 27: 8}  # of a face, by the nodes of the element
 
 
@@ -91,8 +93,13 @@ def shape_functions(count: int, u: float, v: float) -> Floats:
         between = np.stack([4.0 * a[0] * b[0], *(4.0 * (a[i] * b[0] + a[0] * b[i]) for i in (1, 2))])
         return np.concatenate([at_corners, between], axis=1)
     p, q = (_line(t, 2 if count == 4 else 3) for t in (u, v))
-    order = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2)][:count]
-    return np.stack([[p[0, i] * q[0, j], p[1, i] * q[0, j], p[0, i] * q[1, j]] for i, j in order], axis=1)
+    nodes = _ALONG[:count]
+    return np.stack([[p[0, i] * q[0, j], p[1, i] * q[0, j], p[0, i] * q[1, j]] for i, j in nodes], axis=1)
+
+
+def node_places(count: int) -> Floats:
+    """Of the nodes of a face of 4 or 9 on the unit square (count, 2)."""
+    return np.asarray(np.array([0.0, 1.0, 0.5])[np.array(_ALONG[:count])])
 
 
 def _line(t: float, count: int) -> Floats:

@@ -144,7 +144,7 @@ def _pairs_without_contact(scene: Any, prescribed: _Prescribed, self_contact: bo
     and attachments keep apart: prescribed ones, those of which contact was disabled, bodies with themselves.
     Only these are asked for: of all pairs there may be millions."""
     count = prescribed.count
-    asked = {*scene.pairs_named(), *((a, a) for a in range(count))}
+    asked = {*scene.pairs_without_contact(), *((a, a) for a in range(count))}
     apart = [
         a * count + b
         for a, b in asked
