@@ -32,10 +32,10 @@ TEST_CASE("what an impact presses to next to nothing is stiffened until its forc
   const std::vector<Contact> contacts{contact_between(0, 1, 2.0), contact_between(0, 1, 2.0),
                                       contact_between(0, 2, 5.0)};
   ContactRelief relief;
-  relief.begin(contacts, std::vector<double>(3, 0.0), 0.0);
+  relief.allow(contacts, std::vector<double>(3, 0.0), 0.0);
   const std::vector<Vec3> forces{force_at(contacts[0], 0.01), force_at(contacts[1], 0.5),
                                  force_at(contacts[2], 0.2)};
-  relief.stiffen(contacts, forces, always);
+  CHECK(relief.stiffen(contacts, forces, always));
 
   const int64_t pressed = group_code(0, 1), other = group_code(0, 2);
   const Contact stiffer = contact_between(0, 1, 2.0 * relief.factor(pressed));
@@ -45,13 +45,14 @@ TEST_CASE("what an impact presses to next to nothing is stiffened until its forc
 
   relief.begin();
   CHECK(relief.factor(pressed) == 1.0);
+  CHECK(!relief.is_allowed());
 }
 
 TEST_CASE("relief adds no more than is allowed to what contact stores at the start of a step") {
   const std::vector<Contact> contacts{contact_between(0, 1, 1.0), contact_between(0, 2, 1.0)};
   const std::vector<double> energies{3e-6, 1e-6};  // [J]
   ContactRelief relief;
-  relief.begin(contacts, energies, 2e-5);
+  relief.allow(contacts, energies, 2e-5);
   for (int k = 0; k < 3; ++k)
     relief.stiffen(contacts, std::vector<Vec3>{force_at(contacts[0], 1e-5), force_at(contacts[1], 1e-4)},
                    always);
@@ -64,8 +65,9 @@ TEST_CASE("relief adds no more than is allowed to what contact stores at the sta
 TEST_CASE("bodies that may not give way keep their law") {
   const std::vector<Contact> contacts{contact_between(0, 1, 1.0)};
   ContactRelief relief;
-  relief.begin(contacts, std::vector<double>{0.0}, 1.0);
-  relief.stiffen(contacts, std::vector<Vec3>{force_at(contacts[0], 1e-6)}, [](int64_t) { return false; });
+  relief.allow(contacts, std::vector<double>{0.0}, 1.0);
+  const std::vector<Vec3> forces{force_at(contacts[0], 1e-6)};
+  CHECK(!relief.stiffen(contacts, forces, [](int64_t) { return false; }));
   CHECK(relief.factor(group_code(0, 1)) == 1.0);
 }
 

@@ -28,8 +28,6 @@ constexpr double kStored = 10.0, kMostStored = 1e3, kPartOfMotion = 0.1;
 
 constexpr int64_t kContactsPerTask = 1024;
 
-int64_t code_of(const Contact& contact) { return group_code(contact.group_a, contact.group_b); }
-
 /// Pairs of edges, or vertices with all of a body, which have one area.
 int64_t area_code(const Contact& contact) {
   const bool is_edges = contact.key.kind == PairKind::EdgeEdge;
@@ -65,7 +63,7 @@ void ContactLaw::freeze_left(std::span<const Vec3> x, const std::vector<Contact>
   if (spent_.empty()) return;
   std::map<int64_t, double> met;
   for (const Contact& contact : contacts) {
-    const auto layer = spent_.find(code_of(contact));
+    const auto layer = spent_.find(group_code(contact));
     if (layer == spent_.end()) continue;
     const int64_t code = area_code(contact);
     if (left_.contains(code)) continue;
@@ -114,7 +112,7 @@ void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, Thread
     int64_t bodies = -1;
     double pressure = 0.0;  // of these bodies, under their load
     for (Contact& contact : std::span(contacts).subspan(begin, end - begin)) {
-      if (const int64_t code = code_of(contact); code != bodies) {
+      if (const int64_t code = group_code(contact); code != bodies) {
         bodies = code;
         pressure = this->pressure(contact.group_a, contact.group_b) * factor(code);
       }
@@ -133,7 +131,7 @@ std::map<int64_t, double> ContactLaw::wanted(const std::vector<Contact>& contact
   const double loaded = barrier_slope(kLoadedGap);
   for (size_t c = 0; c < contacts.size(); ++c) {
     if (!(contacts[c].stiffness > 0.0)) continue;
-    const int64_t code = code_of(contacts[c]);
+    const int64_t code = group_code(contacts[c]);
     const double part = as_left ? 1.0 : left(contacts[c]);
     const double natural = contacts[c].stiffness / (factor(code) * part);
     double& largest = wanted[code];
@@ -142,8 +140,8 @@ std::map<int64_t, double> ContactLaw::wanted(const std::vector<Contact>& contact
   return wanted;
 }
 
-void ContactLaw::relieve(const std::vector<Contact>& contacts, std::span<const Vec3> forces) {
-  relief_.stiffen(contacts, forces, [&](int64_t bodies) {
+bool ContactLaw::relieve(const std::vector<Contact>& contacts, std::span<const Vec3> forces) {
+  return relief_.stiffen(contacts, forces, [&](int64_t bodies) {
     const auto [a, b] = groups_of_code(bodies);
     return !is_given(a, b);
   });
@@ -168,7 +166,7 @@ std::map<int64_t, double> ContactLaw::highest_factors(const std::vector<Contact>
   std::map<int64_t, double> each;  // with a factor of 1 [J]
   double total = 0.0;              // with those of the step before [J]
   for (size_t c = 0; c < contacts.size(); ++c) {
-    const int64_t code = code_of(contacts[c]);
+    const int64_t code = group_code(contacts[c]);
     const double energy = energies[c] / factor(code);
     each[code] += energy;
     total += energy / left(contacts[c]) * before.find(code);

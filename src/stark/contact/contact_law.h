@@ -57,8 +57,9 @@ class ContactLaw {
   const AreaWeights& areas() const { return areas_; }
   ContactRelief& relief() { return relief_; }
   const ContactRelief& relief() const { return relief_; }
-  /// Stiffens contact for the rest of the step, see ContactRelief; laws of users stay as they are.
-  void relieve(const std::vector<Contact>& contacts, std::span<const Vec3> forces);
+  /// Stiffens contact for the rest of the step, see ContactRelief; laws of users stay as they are. Returns
+  /// whether any is stiffer.
+  bool relieve(const std::vector<Contact>& contacts, std::span<const Vec3> forces);
   /// Pressure at half of the contact distance of two bodies, without the factor of their load [Pa].
   double pressure(int32_t group_a, int32_t group_b) const;
   /// Whether it is that of a user.
@@ -89,6 +90,8 @@ class ContactLaw {
   /// layer that an impact has spent as it is left, or as it was.
   std::map<int64_t, double> wanted(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                                    bool as_left) const;
+  /// Factor of the stiffness of contact between two bodies, beside what an impact has spent.
+  double factor(int64_t bodies) const { return memory_.find(bodies) * relief_.factor(bodies); }
   /// Part of its stiffness that an impact has left a contact.
   double left(const Contact& contact) const;
   /// Decides it for the rest of the step, by the directions in which a vertex meets a body first, or two
@@ -100,9 +103,6 @@ class ContactLaw {
   AreaWeights areas_;
   std::vector<BodyStiffness> bodies_;
   std::vector<double> distance_;
-  /// Factor of the stiffness of contact between two bodies, beside what an impact has spent.
-  double factor(int64_t bodies) const { return memory_.find(bodies) * relief_.factor(bodies); }
-
   LoadMemory memory_;
   ContactRelief relief_;
   std::map<int64_t, SpentLayer> spent_;

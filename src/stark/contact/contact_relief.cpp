@@ -13,17 +13,14 @@ constexpr double kDeep = 0.03, kRelieved = 0.1;
 
 constexpr double kMostGrowth = 1e3;  ///< of a factor at once
 
-int64_t code_of(const Contact& contact) { return group_code(contact.group_a, contact.group_b); }
-
 }  // namespace
 
-void ContactRelief::begin(const std::vector<Contact>& contacts, std::span<const double> energies,
+void ContactRelief::allow(const std::vector<Contact>& contacts, std::span<const double> energies,
                           double most) {
-  start_.clear();
-  factor_.clear();
+  is_allowed_ = true;
   most_ = most;
   for (size_t c = 0; c < contacts.size(); ++c)
-    if (energies[c] > 0.0) start_[code_of(contacts[c])] += energies[c];
+    if (energies[c] > 0.0) start_[group_code(contacts[c])] += energies[c];
 }
 
 double ContactRelief::factor(int64_t bodies) const {
@@ -31,14 +28,15 @@ double ContactRelief::factor(int64_t bodies) const {
   return found == factor_.end() ? 1.0 : found->second;
 }
 
-void ContactRelief::stiffen(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+bool ContactRelief::stiffen(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                             const std::function<bool(int64_t)>& may_give_way) {
   std::map<int64_t, double> pressed;  // largest force over stiffness and distance, by bodies
   for (size_t c = 0; c < contacts.size(); ++c) {
     if (!(contacts[c].stiffness > 0.0)) continue;
-    double& largest = pressed[code_of(contacts[c])];
+    double& largest = pressed[group_code(contacts[c])];
     largest = std::max(largest, norm(forces[c]) / (contacts[c].stiffness * contacts[c].contact_distance));
   }
+  bool any = false;
   const double deep = barrier_slope(kDeep), relieved = barrier_slope(kRelieved);
   for (const auto& [bodies, force] : pressed) {
     if (force < deep || !may_give_way(bodies)) continue;
@@ -46,8 +44,11 @@ void ContactRelief::stiffen(const std::vector<Contact>& contacts, std::span<cons
     double after = before * std::min(force / relieved, kMostGrowth);
     if (const auto start = start_.find(bodies); start != start_.end())
       after = std::min(after, before + std::max(most_ - added(), 0.0) / start->second);
-    if (after > before) factor_[bodies] = after;
+    if (!(after > before)) continue;
+    factor_[bodies] = after;
+    any = true;
   }
+  return any;
 }
 
 double ContactRelief::added() const {

@@ -76,6 +76,8 @@ inline Vec3 place_on_a(const Contact& contact, std::span<const Vec3> x) {
 
 /// Number of an unordered pair of groups.
 int64_t group_code(int32_t group_a, int32_t group_b);
+/// That of the two bodies of a contact.
+inline int64_t group_code(const Contact& contact) { return group_code(contact.group_a, contact.group_b); }
 /// The groups of a number, the smaller one first.
 inline std::pair<int32_t, int32_t> groups_of_code(int64_t code) {
   return {static_cast<int32_t>(code >> 32), static_cast<int32_t>(code & 0xffffffff)};

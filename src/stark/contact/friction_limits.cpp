@@ -128,7 +128,7 @@ std::optional<int32_t> only_point(const Contact& contact, int first, int last) {
 
 FrictionLimit limit_of(const Contact& contact, const Vec3& normal, double limit) {
   const PairKey& key = contact.key;
-  const int64_t bodies = group_code(contact.group_a, contact.group_b);
+  const int64_t bodies = group_code(contact);
   const auto of_point = [&](int32_t point) { return FrictionPlace{{PairKey::kOther, point, 0}, bodies}; };
   const bool of_edges = key.kind == PairKind::EdgeEdge, of_points = key.kind == PairKind::PointPoint;
   auto a = only_point(contact, 0, contact.side_a_count);

@@ -197,9 +197,7 @@ Vec3 FrictionSet::limited(const Pair& pair, Vec3 u) const {
   return length > stick_displacement_ ? u * (stick_displacement_ / length) : u;
 }
 
-int64_t FrictionSet::bodies_of(const Pair& pair) {
-  return group_code(pair.contact.group_a, pair.contact.group_b);
-}
+int64_t FrictionSet::bodies_of(const Pair& pair) { return group_code(pair.contact); }
 
 std::vector<FrictionSet::Pair> FrictionSet::make_pairs(const std::vector<Contact>& contacts,
                                                        std::span<const Vec3> forces,

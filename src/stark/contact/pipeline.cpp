@@ -133,7 +133,6 @@ void ContactPipeline::begin_step(const SitePositions& positions, const VelocityR
   friction_.set_surface_motions(reference.surface_velocity, reference.surface_spin);
   set_close_bodies(std::move(memory.close));
   restitution_.begin_step(std::move(memory.restitution), x, reference.motion);
-  is_relief_allowed_ = false;
   law_.begin_step(std::move(memory.load), restitution_.spent());
   geometry_.has_least_distance = is_bound_;
   forget_sets();
@@ -168,7 +167,7 @@ bool ContactPipeline::lower_separations() {
   for (const Contact& contact : contacts()) {
     if (contact.distance > (1.0 + kRounding) * contact.least_distance) continue;
     const double kept = kKeptGap * contact.distance;
-    const auto [entry, is_new] = lower.try_emplace(group_code(contact.group_a, contact.group_b), kept);
+    const auto [entry, is_new] = lower.try_emplace(group_code(contact), kept);
     entry->second = std::min(entry->second, kept);
   }
   if (lower.empty()) return false;
@@ -220,7 +219,7 @@ std::map<int64_t, double> ContactPipeline::smallest_gaps(std::span<const Vec3> x
         std::sqrt(squared_distance(mesh(), contact.key.kind, contact.key.pair(), rest_positions_)) <
             contact.contact_distance)
       continue;
-    const int64_t code = group_code(contact.group_a, contact.group_b);
+    const int64_t code = group_code(contact);
     const double gap = std::max(contact.distance, kClosest * contact.contact_distance);
     const auto [entry, is_new] = gaps.try_emplace(code, gap);
     entry->second = std::min(entry->second, gap);
@@ -379,7 +378,7 @@ ContactPipeline::Approach ContactPipeline::approach(std::span<const Vec3> x0, st
       const Vec3 here = gap_vector(contact, at);
       const double way = dot(here - gap_vector(contact, other), normalized(here));
       result.largest = std::max(result.largest, std::fabs(way) / contact.contact_distance);
-      bodies.insert(group_code(contact.group_a, contact.group_b));
+      bodies.insert(group_code(contact));
     }
   };
   visit(x0, x1, result.before);

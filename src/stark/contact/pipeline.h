@@ -233,7 +233,6 @@ class ContactPipeline final : public ActiveSet {
   HeldPositions x_active_, x_trial_;  ///< of the last update(), of the last energy_difference()
   /// Nothing but x decides what the next one gives; of is_near_ nothing but x and the names.
   bool is_active_ = false, is_trial_ = false, is_near_ = false;
-  bool is_relief_allowed_ = false;
   uint64_t revision_ = 1;
   double duration_ = 0.0, weight_ = 1.0;
   double friction_residual_ = 0.0;

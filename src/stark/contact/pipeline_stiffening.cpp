@@ -13,14 +13,13 @@ LoadMemory ContactPipeline::raised_load(std::span<const Vec3> x, std::span<const
 }
 
 void ContactPipeline::allow_relief(double most) {
-  is_relief_allowed_ = true;
-  law_.relief().begin(contacts(), active_.energies(), most * weight_);
+  law_.relief().allow(contacts(), active_.energies(), most * weight_);
 }
 
 bool ContactPipeline::relieve(const SitePositions& x) {
-  if (!is_relief_allowed_) return false;
+  if (!law_.relief().is_allowed()) return false;
   settle(x);
-  law_.relieve(contacts(), forces(x.all));
+  if (!law_.relieve(contacts(), forces(x.all))) return false;
   ++revision_;
   forget_sets();
   return true;

@@ -135,7 +135,7 @@ void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::spa
     double stored = 0.0;
     for (size_t c = 0; c < contacts.size(); ++c) {
       const Contact& contact = contacts[c];
-      if (group_code(contact.group_a, contact.group_b) != bodies) continue;
+      if (group_code(contact) != bodies) continue;
       stored += energies[c];
       contacts_.emplace_back(contact, forces[c]);
       sum += forces[c] * side_of_first(contact, bodies);
@@ -179,17 +179,15 @@ std::vector<std::pair<Contact, Vec3>> RestitutionSet::given_back(std::span<const
   std::vector<std::pair<Contact, Vec3>> result;
   for (const Return& given : returns(x))
     for (const auto& [contact, share] : contacts_)
-      if (group_code(contact.group_a, contact.group_b) == given.bodies)
-        result.emplace_back(contact, share * given.force);
+      if (group_code(contact) == given.bodies) result.emplace_back(contact, share * given.force);
   return result;
 }
 
 std::vector<RestitutionSet::LineForce> RestitutionSet::given_back_beyond(std::span<const Vec3> x) const {
   std::vector<LineForce> result;
   for (const Return& given : returns(x)) {
-    const bool is_shown = std::ranges::any_of(contacts_, [&](const auto& entry) {
-      return group_code(entry.first.group_a, entry.first.group_b) == given.bodies;
-    });
+    const bool is_shown = std::ranges::any_of(
+        contacts_, [&](const auto& entry) { return group_code(entry.first) == given.bodies; });
     if (is_shown || given.force == 0.0) continue;
     const Impact& impact = impacts_.at(given.bodies);
     result.push_back({given.bodies, impact.normal, given.force,
@@ -264,7 +262,7 @@ std::map<int64_t, RestitutionSet::Sum> RestitutionSet::sums(const std::vector<Co
   std::map<int64_t, Sum> sums;
   for (size_t c = 0; c < contacts.size(); ++c) {
     const Contact& contact = contacts[c];
-    const int64_t bodies = group_code(contact.group_a, contact.group_b);
+    const int64_t bodies = group_code(contact);
     if (!table_.coefficient.contains(bodies)) continue;
     const double side = side_of_first(contact, bodies);
     const Vec3 force = forces[c] * side, gap = gap_vector(contact, x) * side;

@@ -41,7 +41,7 @@ class ActiveSet {
     static_cast<void>(x), static_cast<void>(lagged);
   }
   /// Called where max_step() keeps steps short again and again: energies of what is in the way may change for
-  /// the rest of the step. Returns whether they may.
+  /// the rest of the step. Returns whether any has.
   virtual bool relieve(const SitePositions& x) { return static_cast<void>(x), false; }
   /// The lagged quantities before the last refresh belong to a solution that may be gone back to.
   virtual void keep_lagged() = 0;

@@ -97,7 +97,7 @@ class ByPlace {
 std::set<int64_t> find_pushing(const std::vector<Contact>& contacts, const CloseBodies& close) {
   std::set<int64_t> pushing;
   for (const Contact& contact : contacts) {
-    const int64_t code = group_code(contact.group_a, contact.group_b);
+    const int64_t code = group_code(contact);
     if (contact.distance < kPushing * close.of(code).value_or(contact.contact_distance)) pushing.insert(code);
   }
   return pushing;
