@@ -92,21 +92,75 @@ TEST_CASE("marked are the sites beyond a part of their margin, and those that le
   CHECK(leaving_count < margins.site_count());
 }
 
-TEST_CASE("bounds are those of the groups with a marked site, and others stay as they are") {
+TEST_CASE("places are those of the base but for marked sites, whose groups get new bounds") {
   const SiteMargins margins(scattered_mesh());
   RandomPoints random(3);
-  std::vector<Vec3> x;
-  for (int32_t i = 0; i < kSites; ++i) x.push_back(random.point());
-  const Bounds before{.low = {7.0, 7.0, 7.0}, .high = {8.0, 8.0, 8.0}};
-  std::vector<Bounds> bounds{before, before}, expected{before, {}};
-  for (int32_t i = kSites / 2; i < kSites; ++i)
-    if (is_on_surface(i)) expected[1].add(x[i]);
-  std::vector<uint8_t> marked(kSites, 0);
+  std::vector<Vec3> first, x;
+  for (int32_t i = 0; i < kSites; ++i) first.push_back(random.point()), x.push_back(random.point());
+  std::vector<uint8_t> marked(kSites, 1);
+  const std::vector<Bounds> no_bounds(2);
+  SitePlaces base{.bounds = no_bounds}, out{.bounds = no_bounds};
+  margins.place({}, marked, first, 1, base);
+  std::ranges::fill(marked, 0);
   marked[kSites - 3] = 1;
-  margins.bound(x, marked, bounds);
+  margins.place(base, marked, x, 2, out);
+  margins.place(out, marked, x, 2, out);
+  Bounds bounds[2];
+  for (int32_t i = 0; i < kSites; ++i) {
+    if (!is_on_surface(i)) continue;
+    const Vec3 expected = i == kSites - 3 ? x[i] : first[i];
+    CHECK(out.x[i] == expected);
+    bounds[i < kSites / 2 ? 0 : 1].add(expected);
+  }
   for (int group = 0; group < 2; ++group) {
-    CHECK(bounds[group].low == expected[group].low);
-    CHECK(bounds[group].high == expected[group].high);
+    CHECK(out.bounds[group].low == bounds[group].low);
+    CHECK(out.bounds[group].high == bounds[group].high);
+  }
+}
+
+TEST_CASE("pieces are placed as a whole, whatever they were placed at before") {
+  SurfaceMesh mesh;
+  const TriangleMesh ball = make_icosphere(1.0, 3);
+  std::vector<Vec3> start;
+  std::vector<std::vector<int32_t>> sites(5);
+  for (int32_t group = 0; group < 5; ++group) {
+    for (const Vec3& v : ball.vertices) {
+      sites[group].push_back(mesh.vertex_count);
+      mesh.points.push_back(mesh.vertex_count++);
+      mesh.vertex_group.push_back(group);
+      start.push_back(v + Vec3{3.0 * group, 0.0, 0.0});
+    }
+    mesh.frames.push_back(find_frame(sites[group], start));
+    REQUIRE(mesh.frames.back().has_value());
+  }
+  const SiteMargins margins(mesh);
+  RandomPoints random(5);
+  SitePlaces lists[2];
+  std::vector<Vec3> where[2];
+  const std::vector<Vec3>* x = &start;
+  std::vector<uint8_t> marked(start.size(), 1);
+  std::vector<Vec3> next;
+  for (uint64_t version = 1; version < 60; ++version) {
+    // From the list or from the other one, as trial points come and go.
+    const size_t to = random.uniform(0.0, 1.0) < 0.5 ? 0 : 1;
+    const size_t from = version == 1 || random.uniform(0.0, 1.0) < 0.5 ? to : 1 - to;
+    if (where[from].empty()) std::ranges::fill(marked, 1);
+    next.clear();
+    for (const Vec3& v : *x) next.push_back(v + random.point() * 0.01);
+    lists[to].bounds.resize(5);
+    where[to] = where[from].empty() ? next : where[from];
+    for (size_t i = 0; i < next.size(); ++i)
+      if (marked[i] != 0) where[to][i] = next[i];
+    margins.place(lists[from], marked, next, version, lists[to]);
+    CHECK(lists[to].x == where[to]);
+    for (int32_t group = 0; group < 5; ++group) {
+      Bounds expected;
+      for (const int32_t site : sites[group]) expected.add(where[to][site]);
+      CHECK(lists[to].bounds[group].low == expected.low);
+      CHECK(lists[to].bounds[group].high == expected.high);
+      const uint8_t is_marked = random.uniform(0.0, 1.0) < 0.4 ? 1 : 0;
+      for (const int32_t site : sites[group]) marked[site] = is_marked;
+    }
   }
 }
 
@@ -157,11 +211,5 @@ TEST_CASE("what moves as one piece is marked as a whole, before one of its sites
     CHECK(margins.mark_more(margin, base, x, more) == count);
     CHECK(margins.mark_more(margin, base, x, more) == 0);
     CHECK(more == marks);
-    std::vector<Bounds> bounds(2);
-    margins.bound(x, marks, bounds);
-    if (in_piece == half)
-      for (int32_t i = 0; i < half; ++i) CHECK(bounds[0].contains(x[i]));
-    else
-      CHECK(bounds[0].low.x > bounds[0].high.x);
   }
 }

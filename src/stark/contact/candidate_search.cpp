@@ -32,8 +32,7 @@ constexpr int64_t kSitesPerTask = 8192;
 struct Candidates {
   CandidateList list{};
   CandidateList distant{};       ///< pairs of edges that cannot act or meet within the margins
-  std::vector<Vec3> x{};         ///< where each site was when its pairs were found
-  std::vector<Bounds> bounds{};  ///< of x, by group
+  SitePlaces places{};           ///< where each site was when its pairs were found
   std::vector<double> margin{};  ///< by group [m]
 };
 
@@ -54,6 +53,7 @@ struct CandidateSearch::Implementation {
   std::vector<double> way_reach{};  ///< of the last find_way_reach() [m]
   std::vector<Vec3> part_end{};     ///< of the last end_of_part() [m]
   std::vector<uint8_t> moved{}, moved_in_trial{};
+  uint64_t place_version = 0;
   ContactCounters counters{};
 
   const SurfaceMesh& mesh() const { return broad_phase.mesh(); }
@@ -123,16 +123,16 @@ void CandidateSearch::set_edges(std::shared_ptr<const EdgeRanges> ranges,
 const CandidateList& CandidateSearch::distant_edges() const { return implementation_->current.distant; }
 
 bool CandidateSearch::Implementation::covers(const Candidates& candidates, std::span<const Vec3> x) const {
-  return !candidates.x.empty() && margins.cover(candidates.margin, candidates.x, x);
+  return !candidates.places.x.empty() && margins.cover(candidates.margin, candidates.places.x, x);
 }
 
 int64_t CandidateSearch::Implementation::mark(const Candidates& candidates, std::span<const Vec3> x,
                                               std::vector<uint8_t>& out) const {
-  if (candidates.x.empty()) {
+  if (candidates.places.x.empty()) {
     out.assign(x.size(), 1);
     return margins.site_count();
   }
-  return margins.mark_beyond(kNearlyUsedUp, candidates.margin, candidates.x, x, out);
+  return margins.mark_beyond(kNearlyUsedUp, candidates.margin, candidates.places.x, x, out);
 }
 
 bool CandidateSearch::Implementation::is_distant(const PrimitivePair& edges, std::span<const Vec3> x) const {
@@ -188,19 +188,15 @@ void CandidateSearch::Implementation::merge(const CandidateList& base, const Can
 
 void CandidateSearch::Implementation::set_places(const Candidates& base, std::vector<uint8_t>& marked,
                                                  std::span<const Vec3> x, Candidates& out) {
-  out.bounds = base.bounds.empty() ? std::vector<Bounds>(reach.size()) : base.bounds;
-  out.x.resize(x.size());
-  const bool is_other = &out != &base && !base.x.empty();
+  out.places.bounds.resize(reach.size());
+  ++place_version;
   int64_t added = 0;
+  const SitePlaces* from = &base.places;
   do {
-    pool.for_each_range(std::ssize(x), kSitesPerTask, [&](int64_t begin, int64_t end) {
-      if (is_other && added == 0) std::copy_n(base.x.begin() + begin, end - begin, out.x.begin() + begin);
-      for (int64_t site = begin; site < end; ++site)
-        if (marked[site] != 0) out.x[site] = x[site];
-    });
-    margins.bound(out.x, marked, out.bounds);
-    out.margin = group_margins.wide(broad_phase.filter(), out.bounds);
-    added = margins.mark_more(out.margin, out.x, x, marked);
+    margins.place(*from, marked, x, place_version, out.places);
+    from = &out.places;
+    out.margin = group_margins.wide(broad_phase.filter(), out.places.bounds);
+    added = margins.mark_more(out.margin, out.places.x, x, marked);
     counters.sites += added;
   } while (added > 0);
 }
@@ -209,12 +205,12 @@ void CandidateSearch::Implementation::renew(const Candidates& base, std::vector<
                                             std::span<const Vec3> x, Candidates& out) {
   const PhaseTimer::Scope scope(timer, Phase::BroadPhase);
   set_places(base, marked, x, out);
-  broad_phase.find(out.x, reach, pool, found, marked);
+  broad_phase.find(out.places.x, reach, pool, found, marked);
   // Rounding of the distance must not drop a pair at the very rim.
   std::vector<double> rim(reach);
   for (double& r : rim) r *= 1.0 + kRounding;
-  remove_distant(mesh(), rim, out.x, pool, found);
-  part_edges(out.x);
+  remove_distant(mesh(), rim, out.places.x, pool, found);
+  part_edges(out.places.x);
   merge(base.list, found, marked, out.list);
   merge(base.distant, found_distant, marked, out.distant);
   ++counters.candidate_builds;
@@ -260,8 +256,9 @@ const CandidateList* CandidateSearch::Implementation::find_others(std::span<cons
                                                                   std::span<const double> group_separation) {
   if (covers(current, x1) && covers(current, x0)) return nullptr;
   const PhaseTimer::Scope scope(timer, Phase::BroadPhase);
-  counters.sites += current.x.empty() ? mark(current, x0, moved)
-                                      : margins.mark_leaving(current.margin, current.x, x0, x1, moved);
+  counters.sites += current.places.x.empty()
+                        ? mark(current, x0, moved)
+                        : margins.mark_leaving(current.margin, current.places.x, x0, x1, moved);
   broad_phase.find_swept(x0, x1, find_way_reach(x0, x1, group_separation), pool, found, moved);
   ++counters.swept_builds;
   return &found;

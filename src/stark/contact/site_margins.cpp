@@ -148,21 +148,50 @@ int64_t SiteMargins::mark_leaving(std::span<const double> margin, std::span<cons
       });
 }
 
-void SiteMargins::bound(std::span<const Vec3> x, std::span<const uint8_t> marked,
-                        std::vector<Bounds>& bounds) const {
-  std::vector<uint8_t> has_moved(bounds.size(), 0);
-  const auto is_marked = [](uint8_t m) { return m != 0; };
+void SiteMargins::place(const SitePlaces& base, std::span<const uint8_t> marked, std::span<const Vec3> x,
+                        uint64_t version, SitePlaces& out) const {
+  out.x.resize(x.size());
+  out.versions.resize(pieces_.size());
+  place_sites(base, marked, x, out);
+  for_each_range(pool_, std::ssize(pieces_), kPiecesPerTask, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      const Piece& piece = pieces_[k];
+      const bool is_marked = marked[piece.runs[0].begin] != 0;
+      const uint64_t wanted = is_marked ? version : base.versions[k];
+      if (out.versions[k] == wanted) continue;
+      out.versions[k] = wanted;
+      copy_piece(piece, is_marked ? x : base.x, out);
+    }
+  });
+}
+
+void SiteMargins::place_sites(const SitePlaces& base, std::span<const uint8_t> marked,
+                              std::span<const Vec3> x, SitePlaces& out) const {
+  std::vector<uint8_t> has_moved(out.bounds.size(), 0);
+  const bool is_other = &out != &base && !base.x.empty();
+  for (const Run& run : runs_) {
+    if (is_other) {
+      std::copy(base.x.begin() + run.begin, base.x.begin() + run.end, out.x.begin() + run.begin);
+      out.bounds[run.group] = base.bounds[run.group];
+    }
+    for (int32_t i = run.begin; i < run.end; ++i) {
+      if (marked[i] == 0) continue;
+      out.x[i] = x[i];
+      has_moved[run.group] = 1;
+    }
+  }
+  for (size_t group = 0; group < out.bounds.size(); ++group)
+    if (has_moved[group] != 0) out.bounds[group] = {};
   for (const Run& run : runs_)
-    has_moved[run.group] |= std::ranges::any_of(marked.subspan(run.begin, run.end - run.begin), is_marked);
-  for (const Piece& piece : pieces_) has_moved[piece.group] = marked[piece.runs[0].begin];
-  for (size_t group = 0; group < bounds.size(); ++group)
-    if (has_moved[group] != 0) bounds[group] = {};
-  const auto add = [&](const Run& run) {
-    if (has_moved[run.group] == 0) return;
-    for (int32_t i = run.begin; i < run.end; ++i) bounds[run.group].add(x[i]);
-  };
-  std::ranges::for_each(runs_, add);
-  for (const Piece& piece : pieces_) std::ranges::for_each(piece.runs, add);
+    for (int32_t i = run.begin; i < run.end && has_moved[run.group] != 0; ++i)
+      out.bounds[run.group].add(out.x[i]);
+}
+
+void SiteMargins::copy_piece(const Piece& piece, std::span<const Vec3> x, SitePlaces& out) const {
+  Bounds bounds;
+  for (const Run& run : piece.runs)
+    for (int32_t i = run.begin; i < run.end; ++i) bounds.add(out.x[i] = x[i]);
+  out.bounds[piece.group] = bounds;
 }
 
 }  // namespace stark

@@ -14,6 +14,14 @@
 
 namespace stark {
 
+/// Where sites are when their pairs are found.
+struct SitePlaces {
+  std::vector<Vec3> x{};         ///< of sites of surfaces [m]
+  std::vector<Bounds> bounds{};  ///< of them, by group
+  std::vector<uint64_t>
+      versions{};  ///< by what moves as one piece: where they are the same, so are its places
+};
+
 /// Margins are by group [m]. Of groups with a frame the corners of their box count, for all sites.
 class SiteMargins {
  public:
@@ -37,8 +45,11 @@ class SiteMargins {
   int64_t mark_leaving(std::span<const double> margin, std::span<const Vec3> base, std::span<const Vec3> x0,
                        std::span<const Vec3> x1, std::vector<uint8_t>& out) const;
 
-  /// Brings the bounds of the sites at x up to date, by group, of groups with a marked site.
-  void bound(std::span<const Vec3> x, std::span<const uint8_t> marked, std::vector<Bounds>& bounds) const;
+  /// Makes `out`, which has bounds of all groups, the places of `base` but for marked sites, which are at x;
+  /// all are where `base` has none. A piece costs nothing where `out` has it there already. version: above 0,
+  /// another one for each x.
+  void place(const SitePlaces& base, std::span<const uint8_t> marked, std::span<const Vec3> x,
+             uint64_t version, SitePlaces& out) const;
 
  private:
   /// Sites of the surface of a group.
@@ -52,6 +63,9 @@ class SiteMargins {
     std::vector<Run> runs{};
   };
 
+  void place_sites(const SitePlaces& base, std::span<const uint8_t> marked, std::span<const Vec3> x,
+                   SitePlaces& out) const;
+  void copy_piece(const Piece& piece, std::span<const Vec3> x, SitePlaces& out) const;
   /// Marks what was not; returns how many. is_site(run) gives a test of sites.
   template <typename IsSite, typename IsPiece>
   int64_t mark(std::span<uint8_t> out, IsSite&& is_site, IsPiece&& is_piece) const;
