@@ -379,6 +379,14 @@ TEST_CASE("systems that cannot be solved are singular, or too stiff against what
   const Diagnosis diagnosis = judged(evidence);
   CHECK(diagnosis.cause == FailureCause::StiffnessContrast);
   CHECK(names(diagnosis, "solid 'beam' is 1e+16 times as stiff as cloth 'sheet'"));
+  evidence.softest = evidence.stiffest;
+  evidence.elements = {{{"solid 'beam'", {1, 2, 3, 4}}, 7, 5e-14, 0.5}};
+  const Diagnosis of_one = judged(evidence);
+  CHECK(of_one.bodies == std::vector<std::string>{"solid 'beam'"});
+  CHECK(names(of_one, "one part of solid 'beam' is 1e+16 times as stiff as another"));
+  CHECK(names(of_one,
+              "element 7 of solid 'beam' (vertices 1, 2, 3, 4) has 0.5 times its size at rest, with "
+              "edges shortened to 5e-14 of theirs"));
 }
 
 TEST_CASE("budgets, interruptions and joints have causes of their own") {

@@ -37,8 +37,6 @@ constexpr double kRoundingRange = 100.0;
 constexpr double kStandstill = 0.01;
 /// Largest coordinate over the size of the scene from which the place of the scene makes the rounding.
 constexpr double kFar = 1e3;
-/// Size of an element over its size at rest below which it is pressed flat.
-constexpr double kFlat = 1e-3;
 constexpr size_t kNamedVertices = 4;
 
 constexpr const char* kLeaveRoom =
@@ -63,12 +61,6 @@ std::string pair_text(const BlockingPair& pair) {
 std::string gap_text(const NarrowGap& gap) {
   return place_text(gap.a) + " is " + rough_text(gap.distance, "m") + " from " + place_text(gap.b) +
          ", within their contact distance of " + rough_text(gap.contact_distance, "m");
-}
-
-std::string element_text(const StrainedElement& element) {
-  return "element " + std::to_string(element.element) + " of " + place_text(element.at) +
-         (element.size <= 0.0 ? " is inverted, at " : " has ") + rough_text(element.size, "1") +
-         " times its size at rest, with edges stretched by up to " + rough_text(element.stretch, "1");
 }
 
 const StrainedElement* find_inverted(const StepEvidence& e, bool prescribed_only) {
@@ -402,11 +394,7 @@ Verdict judge_status(const StepEvidence& e, const Settings& settings) {
       break;
   }
   if (e.stiffness_ratio > (e.solve.status == SolveStatus::LinearSolveFailed ? kContrastOfSolve : kContrast))
-    return {FailureCause::StiffnessContrast,
-            e.stiffest + " is " + rough_text(e.stiffness_ratio, "1") + " times as stiff as " + e.softest +
-                ", too much for double precision",
-            "make stiff parts softer or rigid bodies, soft and light parts stiffer or heavier",
-            {e.stiffest, e.softest}};
+    return judge_contrast(e);
   if (e.solve.status == SolveStatus::MaxIterations)
     return {
         FailureCause::IterationBudget,

@@ -1,5 +1,7 @@
 #include <stark/sim/step/verdict.h>
 
+#include <algorithm>
+
 #include <stark/base/error.h>
 
 namespace stark {
@@ -50,7 +52,40 @@ Verdict judge_rough_energy(const StepEvidence& e) {
       {rough.at.body}};
 }
 
+/// Ends of a sentence about a stiffness; empty without an element that is nearly gone.
+std::string collapsed_text(const StepEvidence& e) {
+  const auto collapsed = std::ranges::find_if(e.elements, [&](const StrainedElement& element) {
+    return element.at.body == e.stiffest && (element.size < kFlat || element.stretch < kFlat);
+  });
+  return collapsed == e.elements.end() ? "" : ": " + element_text(*collapsed);
+}
+
 }  // namespace
+
+std::string element_text(const StrainedElement& element) {
+  return "element " + std::to_string(element.element) + " of " + place_text(element.at) +
+         (element.size <= 0.0 ? " is inverted, at " : " has ") + rough_text(element.size, "1") +
+         " times its size at rest, with edges " +
+         (element.stretch < 1.0 ? "shortened to " : "stretched by up to ") +
+         rough_text(element.stretch, "1") + (element.stretch < 1.0 ? " of theirs" : "");
+}
+
+Verdict judge_contrast(const StepEvidence& e) {
+  const std::string ratio = rough_text(e.stiffness_ratio, "1"), acting = acting_text(e);
+  if (e.stiffest != e.softest)
+    return {FailureCause::StiffnessContrast,
+            e.stiffest + " is " + ratio + " times as stiff as " + e.softest +
+                ", too much for double precision" + collapsed_text(e),
+            "make stiff parts softer or rigid bodies, soft and light parts stiffer or heavier",
+            {e.stiffest, e.softest}};
+  return {FailureCause::StiffnessContrast,
+          "one part of " + e.stiffest + " is " + ratio +
+              " times as stiff as another, too much for double precision" + collapsed_text(e),
+          "load it less there, in smaller steps or over more vertices, and look for elements that are much "
+          "smaller than others, and for values of a material that differ too much" +
+              (acting.empty() ? "" : "; " + acting),
+          {e.stiffest}};
+}
 
 Verdict judge_users_energies(const StepEvidence& e) {
   Verdict steep = judge_steep_energy(e);

@@ -17,6 +17,14 @@ struct Verdict {
 /// "a, b and c".
 std::string listed(const std::vector<std::string>& names);
 
+/// Size of an element, or length of an edge, over that at rest below which it is pressed flat.
+constexpr double kFlat = 1e-3;
+
+std::string element_text(const StrainedElement& element);
+
+/// Of stiffnesses that differ too much: those of two bodies, or of two parts of one.
+Verdict judge_contrast(const StepEvidence& e);
+
 /// Of energies that grow without bound, have a kink or jump.
 Verdict judge_users_energies(const StepEvidence& e);
 
