@@ -148,6 +148,10 @@ class SceneJoints(SceneLink):
         ``displacement_x`` along the x axis of the world at time 0, laid into the plane (y if the normal is
         along x), ``displacement_y`` across it, counterclockwise about the normal [m], ``angle`` [rad].
         ``rotation`` in place of ``normal`` gives all three axes, the normal last."""
+        if options.pop("axis", None) is not None:
+            raise InvalidArgument(
+                "joint 'planar': axis is not known here: give the normal of the plane instead"
+            )
         if normal is None or options.get("rotation") is not None:
             return self.add_joint("planar", a, b, anchor=anchor, axis=normal, **options)
         options["rotation"] = _plane_axes(normal)
@@ -173,10 +177,13 @@ class SceneJoints(SceneLink):
         axis_b: str | Vec3Like | None = None,
         **options: Any,
     ) -> Joint:
-        """Universal (Cardan) joint: a turns about ``axis_a``, b about ``axis_b``, which are perpendicular;
-        coordinates ``angle_a`` and ``angle_b`` [rad]."""
-        rotation = None if axis_a is None and axis_b is None else _cross_axes(axis_a, axis_b)
-        return self.add_joint("universal", a, b, anchor=anchor, rotation=rotation, **options)
+        """Universal (Cardan) joint: a turns about ``axis_a``, b about ``axis_b``, which are perpendicular,
+        or those of ``rotation`` at time 0, x and y; coordinates ``angle_a`` and ``angle_b`` [rad]."""
+        if axis_a is not None or axis_b is not None:
+            if options.get("rotation") is not None:
+                raise InvalidArgument("joint 'universal': axes and rotation are both given: give one of them")
+            options["rotation"] = _cross_axes(axis_a, axis_b)
+        return self.add_joint("universal", a, b, anchor=anchor, **options)
 
     def add_distance(
         self,

@@ -111,3 +111,18 @@ def test_a_rotation_gives_all_axes_of_a_plane() -> None:
     np.testing.assert_allclose(body.velocity, 0.2 * axes[:, 0], atol=1e-6)
     with pytest.raises(stark.InvalidArgument, match="axis and rotation are both given"):
         scene.add_planar(None, body, PLACE, "z", rotation=axes)
+
+
+def test_axes_of_another_kind_of_joint_are_refused_by_name() -> None:
+    """add_planar(axis=...) and add_universal(rotation=...) were TypeErrors about add_joint."""
+    scene = stark.Scene()
+    body = scene.add_box(0.1, mass=1.0, position=PLACE)
+    with pytest.raises(stark.InvalidArgument, match="'planar': axis is not known here: give the normal"):
+        scene.add_planar(None, body, PLACE, axis="z")
+    with pytest.raises(stark.InvalidArgument, match="'universal': axes and rotation are both given"):
+        scene.add_universal(None, body, PLACE, "x", "y", rotation=np.eye(3))
+    assert not scene.joints
+    turned = scene.add_universal(None, body, PLACE, rotation=stark.rotation(axis="z", angle=0.3))
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.run_until(0.05)
+    assert set(turned.coordinates) == {"angle_a", "angle_b"}
