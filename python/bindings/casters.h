@@ -289,8 +289,10 @@ struct type_caster<Choice, enable_if_t<std::is_enum_v<Choice>>>
     : OneWayCaster<Choice, stark::bindings::name_of<Choice>> {
   bool from_python(handle object, uint32_t, cleanup_list*) {
     if constexpr (requires { stark::EnumNames<Choice>::kNoun; }) {
-      const auto name = cast<std::string>(object);
-      const std::string subject = std::string(stark::EnumNames<Choice>::kNoun) + " '" + name + "'";
+      const bool is_text = isinstance<str>(object);
+      const std::string name = is_text ? cast<std::string>(object) : "";
+      const std::string given = is_text ? "'" + name + "'" : stark::bindings::shown(object);
+      const std::string subject = std::string(stark::EnumNames<Choice>::kNoun) + " " + given;
       this->value = stark::choice_of<Choice>(name, subject);
       return true;
     }

@@ -3,6 +3,8 @@
 // raises TraceError.
 #include "symbolic.h"
 
+#include <cmath>
+
 #include <stark/symbolic/array_function.h>
 #include <stark/symbolic/named_functions.h>
 
@@ -15,6 +17,19 @@ using symbolic::BinaryOperator;
 using symbolic::Graph;
 using symbolic::Order;
 using symbolic::Scalar;
+
+namespace {
+
+/// Python refuses to write integers of thousands of digits, so the message has their number of digits.
+[[noreturn]] void refuse_too_large(nb::handle integer) {
+  const auto digits =
+      std::lround(nb::cast<double>(nb::float_(integer.attr("bit_length")())) * std::log10(2.0));
+  throw TraceError("an integer of about " + std::to_string(digits) +
+                   " digits: numbers of a formula must be below 1.8e308 in size; choose units in which they "
+                   "are smaller, or calculate with logarithms");
+}
+
+}  // namespace
 
 std::optional<TracedScalar> to_traced(nb::handle object) {
   TracedScalar* traced = nullptr;
@@ -29,7 +44,11 @@ std::optional<TracedScalar> to_traced(nb::handle object) {
     if (std::string("biuf").find(kind) == std::string::npos) return std::nullopt;
   }
   const double value = PyFloat_AsDouble(object.ptr());
-  if (value == -1.0 && PyErr_Occurred()) throw nb::python_error();
+  if (value == -1.0 && PyErr_Occurred()) {
+    if (!PyErr_ExceptionMatches(PyExc_OverflowError)) throw nb::python_error();
+    PyErr_Clear();
+    refuse_too_large(object);
+  }
   return TracedScalar{nullptr, Scalar(value)};
 }
 
@@ -68,8 +87,13 @@ nb::object operate(const BinaryOperator& op, const TracedScalar& self, nb::handl
 nb::object pow(nb::handle base, nb::handle exponent) {
   const TracedScalar a = require_traced(base, "pow");
   if (!PyLong_Check(exponent.ptr())) return operate(symbolic::kPower, a, exponent);
-  const long long n = PyLong_AsLongLong(exponent.ptr());
+  int overflow = 0;
+  const long long n = PyLong_AsLongLongAndOverflow(exponent.ptr(), &overflow);
   if (n == -1 && PyErr_Occurred()) throw nb::python_error();
+  if (overflow != 0) {
+    require_traced(exponent, "power");  // refuses what no float holds
+    throw TraceError("power: the exponent " + text(exponent) + " is too large; write it as a float");
+  }
   return nb::cast(symbolic::power(a, n));
 }
 

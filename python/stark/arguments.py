@@ -113,7 +113,8 @@ def given_coordinate(value: Any, what: str) -> str:
 def given_choice(value: Any, known: tuple[str, ...], what: str) -> str:
     """One of some words."""
     if not isinstance(value, str) or value not in known:
-        raise InvalidArgument(f"{what} = {value!r}: must be {' or '.join(map(repr, known))}")
+        hint = nearest_hint(value, known) if isinstance(value, str) else ""
+        raise InvalidArgument(f"{what} = {value!r}: must be {' or '.join(map(repr, known))}{hint}")
     return value
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from stark._core import InvalidArgument, TraceError
 from stark._core import symbolic as core
+from stark.arguments import given_choice, shown_value
 from stark.overloads import overload
 from stark.symbolic.arrays import batch_of
 from stark.symbolic.errors import formula_error, recording
@@ -23,6 +24,7 @@ from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, describe, f
 
 Wrt = str | Sequence[str] | None
 _SYMBOLS = (Scalar, Tensor)
+BACKENDS = ("automatic", "avx512", "avx2", "neon", "interpreter")
 _ORDERS = ("value", "gradient", "hessian")
 
 
@@ -235,6 +237,10 @@ class Function:
         if wrt is None:
             return (0,)
         names = [a.name for a in self.formula.arguments]
+        if not isinstance(wrt, (str, list, tuple)):
+            raise InvalidArgument(
+                f"{self.__name__}: wrt={shown_value(wrt)}: must be the name of an argument, or several"
+            )
         wanted = (wrt,) if isinstance(wrt, str) else tuple(wrt)
         for name in wanted:
             if name not in names:
@@ -356,6 +362,7 @@ def function(
 
     backend: "automatic" (machine code where possible), "avx512", "avx2", "neon" or "interpreter"; same
     bits."""
+    given_choice(backend, BACKENDS, "backend")
     if f is None:
         return functools.partial(function, backend=backend)
     name = getattr(f, "__name__", "function")
@@ -395,6 +402,18 @@ def compile(
         f = sym.compile([x, a], a * (x @ x))
 
     inputs: symbols in the order of the arguments, or a mapping from names to symbols."""
+    given_choice(backend, BACKENDS, "backend")
+    if not isinstance(name, str) or not name:
+        raise InvalidArgument(f"compile: name = {name!r}: must be a non-empty text")
+    if not isinstance(inputs, (Mapping, Sequence)) or isinstance(inputs, (str, bytes)):
+        raise InvalidArgument(
+            f"{name}: inputs = {shown_value(inputs)}: must be a list of symbols, or a mapping from names to "
+            f"them"
+        )
+    given: list[Any] = list(inputs) if isinstance(inputs, Mapping) else []
+    for label in given:
+        if not isinstance(label, str) or not label.isidentifier():
+            raise InvalidArgument(f"{name}: the input name {label!r}: must be one that an argument can have")
     named = inputs.items() if isinstance(inputs, Mapping) else [(None, value) for value in inputs]
     arguments: list[Argument] = []
     for key, value in named:

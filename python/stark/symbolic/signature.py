@@ -123,6 +123,8 @@ def new_symbols(graph: core.Graph, name: str, shape: tuple[int, ...]) -> Scalar 
 def symbols(text: str, graph: core.Graph | None = None) -> Any:
     """Symbols of one new formula, or of the formula of `graph`: symbols("a b x[3] F[2,2]") gives scalars, a
     vector and a matrix. One symbol is returned as it is, several as a tuple."""
+    if not isinstance(text, str):
+        raise TraceError(f"symbols: got {text!r}: must be a text such as 'a b x[3] F[2,2]'")
     graph = core.Graph() if graph is None else graph
     parts = re.findall(r"[^\s,\[\]]+(?:\[[^\]]*\])?", text)
     result = []

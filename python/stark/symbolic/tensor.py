@@ -14,10 +14,13 @@ import numpy as np
 
 from stark._core import TraceError
 from stark._core import symbolic as core
+from stark.arguments import shown_value
 from stark.overloads import overload
 from stark.symbolic.errors import TraceIndexError
 
 Scalar = core.Scalar
+#: Of unit matrices; formulas of larger ones do not compile in reasonable time.
+_MOST_ROWS = 1000
 
 
 def describe(value: object) -> str:
@@ -86,8 +89,10 @@ class Tensor:
     def __getitem__(self, key: Any) -> Any:
         try:
             places = np.arange(self.size).reshape(self.shape)[key]
-        except IndexError as error:
-            raise TraceIndexError(f"index {key!r} of {describe(self)}: {error}; the first is 0") from None
+        except (IndexError, OverflowError) as error:
+            raise TraceIndexError(
+                f"index {shown_value(key)} of {describe(self)}: {error}; the first is 0"
+            ) from None
         if places.ndim == 0:
             return self._entries[int(places)]
         if places.ndim > 2:
@@ -373,6 +378,14 @@ def convert(value: Any, what: str) -> Scalar | Vec | Mat:
     raise TraceError(f"{what}: got {type(value).__name__}: must be a scalar, Vec, Mat or numbers")
 
 
+def _listed(value: Any, what: str) -> list[Any]:
+    """The items of a sequence; TraceError for what is none."""
+    try:
+        return list(value)
+    except TypeError:
+        raise TraceError(f"{what}: got {describe(value)}: must be a list of scalars and numbers") from None
+
+
 def vec(*entries: Any) -> Vec:
     """vec(a, b, c) or vec([a, b, c])."""
     if len(entries) == 1 and not is_scalar_like(entries[0]):
@@ -380,22 +393,25 @@ def vec(*entries: Any) -> Vec:
             return entries[0]
         if isinstance(entries[0], Mat):
             raise TraceError(f"vec: got {describe(entries[0])}: must be scalars and numbers")
-        return Vec(list(entries[0]))
+        return Vec(_listed(entries[0], "vec"))
     return Vec(entries)
 
 
 def mat(rows: Any) -> Mat:
     """Matrix of rows: mat([[a, b], [c, d]]) or mat([u, v])."""
-    return rows if isinstance(rows, Mat) else Mat(list(rows))
+    return rows if isinstance(rows, Mat) else Mat(_listed(rows, "mat"))
 
 
 def columns(*vectors: Any) -> Mat:
     """Matrix with these columns."""
-    return transpose(Mat(vectors[0] if len(vectors) == 1 and not isinstance(vectors[0], Vec) else vectors))
+    alone = len(vectors) == 1 and not isinstance(vectors[0], Vec)
+    return transpose(Mat(_listed(vectors[0], "columns") if alone else vectors))
 
 
 def identity(n: int) -> Mat:
     """Unit matrix of n rows."""
+    if isinstance(n, bool) or not isinstance(n, (int, np.integer)) or not 1 <= n <= _MOST_ROWS:
+        raise TraceError(f"identity: n = {shown_value(n)}: must be a number of rows, 1 to {_MOST_ROWS}")
     return Mat([[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)])
 
 

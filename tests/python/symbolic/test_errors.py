@@ -274,7 +274,7 @@ CALLS: dict[str, tuple[Callable[[], object], str]] = {
     "hessian of a vector": (lambda: direction.hessian([1, 2]), "hessian needs a scalar result.*use jacobian"),
     "back end": (
         lambda: sym.compile([S := sym.symbols("s")], S * S, backend="avx51"),
-        r"backend 'avx51'.*did you mean",
+        r"backend = 'avx51'.*did you mean",
     ),
     "symbols": (lambda: sym.symbols("x[0]"), r"'x\[0\]' is not a name such as"),
     "no symbols": (lambda: sym.symbols(" "), "no names were given"),
