@@ -212,6 +212,14 @@ def test_followers_that_cannot() -> None:
         (lambda: pinned.follow(vertices=[0]), "vertices is given without a motion: .* of all pins, leave it"),
         (lambda: pinned.follow(center=(0, 0, 0)), "center is given without a motion: must come with"),
         (
+            lambda: pinned.follow(displacement=(0, 0, 1), center=(0, 0, 0)),
+            "center is given without a rotation",
+        ),
+        (
+            lambda: pinned.follow(lambda t: np.zeros((1, 3)), center=(0, 0, 0)),
+            "center is given without a rotat",
+        ),
+        (
             lambda: box.follow(displacement=lambda t: (t, 0, 0)),  # type: ignore[arg-type]
             "'finger': follow: displacement is of pins, .* must be position= of a rigid body in the world",
         ),

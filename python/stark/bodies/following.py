@@ -368,6 +368,11 @@ def follow_pins(
             f"{owner}: follow: targets and displacement or rotation are given: give positions of all pins, "
             f"or how they move together"
         )
+    if center is not None and rotation is None:
+        raise InvalidArgument(
+            f"{owner}: follow: center is given without a rotation, which turns pins about it: must come with "
+            f"rotation=; a displacement alone moves all pins alike, and targets are places of their own"
+        )
     rows = _pin_rows(body, vertices)
     follower = PinFollower(
         body,
