@@ -95,13 +95,14 @@ class SceneLink:
     _simulations: list[weakref.ref[SimulationLink]]  # in the order in which they were made
     _simulated_bodies: int  # that some simulation had
     _not_added: dict[Waiting, None]  # in the order in which they were made
+    _places: dict[str, dict[str, int]]  # numbers of parts by kind and name (stark.named)
     _warned: int  # warnings of the core that were passed on
     _changes: int  # of pairs of bodies that were simulated already
     _last_change: str
     _adds_a_whole: bool = False  # parts that are added do not warn of being late
 
     def _begin_simulations(self) -> None:
-        self._simulations, self._simulated_bodies, self._warned = [], 0, 0
+        self._simulations, self._simulated_bodies, self._warned, self._places = [], 0, 0, {}
         self._changes, self._last_change, self._not_added = 0, "", {}
 
     def _is_simulated_by(self, simulation: SimulationLink) -> None:

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import functools
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, Generic, NoReturn, Protocol, SupportsIndex, TypeVar
 
 from stark._core import InvalidArgument
@@ -23,11 +24,38 @@ Value = TypeVar("Value")
 
 
 class NamedList(list[Part], Generic[Part]):
-    """A list of the parts of a simulation; ``kind`` is what messages call one of them."""
+    """A list of the parts of a simulation; ``kind`` is what messages call one of them.
 
-    def __init__(self, kind: str, parts: Iterable[Part]) -> None:
+    With ``of``, parts are those of the scene of a simulation. Each becomes that of the simulation when it is
+    asked for, and all of them before anything else is done with the list: thousands of handles take longer to
+    make than a single one to read."""
+
+    _of: Any = None
+
+    def __init__(self, kind: str, parts: Iterable[Part], of: Any = None) -> None:
         super().__init__(parts)
-        self._kind = kind
+        self._kind, self._of = kind, of
+        self._places: dict[str, int] = {} if of is None else of._scene._places.setdefault(kind, {})
+
+    def _at(self, at: Any) -> Any:
+        if isinstance(at, slice):
+            self._bind()
+        found: Any = super().__getitem__(at)
+        if self._of is not None and found._of is not self._of:
+            found = found._bound_to(self._of)
+            super().__setitem__(at, found)
+        return found
+
+    def _bind(self) -> None:
+        """Makes all parts those of the simulation."""
+        if self._of is not None:
+            bound = [part if part._of is self._of else part._bound_to(self._of) for part in self._unbound()]
+            self._of = None
+            self[:] = bound
+
+    def _unbound(self) -> Iterator[Any]:
+        """The parts as they are."""
+        return super().__iter__()
 
     @overload
     def __getitem__(self, at: SupportsIndex | str) -> Part: ...
@@ -36,12 +64,32 @@ class NamedList(list[Part], Generic[Part]):
     def __getitem__(self, at: slice) -> list[Part]: ...
 
     def __getitem__(self, at: SupportsIndex | slice | str) -> Any:
-        return _part_at(self, at, super().__getitem__)
+        return _part_at(self, at, self._at)
 
     def __contains__(self, part: object) -> bool:
-        return (
-            any(known.name == part for known in self) if isinstance(part, str) else super().__contains__(part)
-        )
+        if isinstance(part, str):
+            return any(known.name == part for known in self._unbound())
+        self._bind()
+        return super().__contains__(part)
+
+
+def _after_binding(name: str) -> Callable[..., Any]:
+    plain = getattr(list, name)
+
+    @functools.wraps(plain)
+    def method(self: NamedList[Any], *given: Any, **named: Any) -> Any:
+        self._bind()
+        return plain(self, *given, **named)
+
+    return method
+
+
+for _name in (
+    *("__add__", "__eq__", "__ge__", "__gt__", "__iadd__", "__imul__", "__iter__", "__le__", "__lt__"),
+    *("__mul__", "__ne__", "__repr__", "__reversed__", "__rmul__", "__setitem__", "__delitem__", "append"),
+    *("clear", "copy", "count", "extend", "index", "insert", "pop", "remove", "reverse", "sort"),
+):
+    setattr(NamedList, _name, _after_binding(_name))
 
 
 class NamedTuple(tuple[Part, ...], Generic[Part]):
@@ -49,9 +97,12 @@ class NamedTuple(tuple[Part, ...], Generic[Part]):
 
     _kind: str
 
-    def __new__(cls, kind: str, parts: Iterable[Part]) -> NamedTuple[Part]:
+    _places: dict[str, int]
+
+    def __new__(cls, kind: str, parts: Iterable[Part], of: Any = None) -> NamedTuple[Part]:
         made = super().__new__(cls, parts)
         made._kind = kind
+        made._places = {} if of is None else of._places.setdefault(kind, {})
         return made
 
     def __getnewargs__(self) -> tuple[str, tuple[Part, ...]]:
@@ -66,6 +117,9 @@ class NamedTuple(tuple[Part, ...], Generic[Part]):
 
     def __getitem__(self, at: SupportsIndex | slice | str) -> Any:
         return _part_at(self, at, super().__getitem__)
+
+    def _unbound(self) -> Iterator[Part]:
+        return iter(self)
 
     def __contains__(self, part: object) -> bool:
         return (
@@ -89,7 +143,7 @@ class NamedDict(dict[str, Value]):
 def _part_at(parts: Any, at: SupportsIndex | slice | str, numbered: Callable[[Any], Any]) -> Any:
     """By name, or by number as a list or a tuple has it."""
     if isinstance(at, str):
-        return _named(parts, at, parts._kind)
+        return numbered(_place_of(parts, at))
     try:
         return numbered(at)
     except IndexError:
@@ -98,11 +152,19 @@ def _part_at(parts: Any, at: SupportsIndex | slice | str, numbered: Callable[[An
         raise IndexError(f"{parts._kind} number {at}: must be {there}") from None
 
 
-def _named(parts: Iterable[Part], name: str, kind: str) -> Part:
-    for part in parts:
-        if part.name == name:
-            return part
-    _refuse(name, [part.name for part in parts], kind)
+def _place_of(parts: Any, name: str) -> int:
+    """Number of the part of a name. The scene remembers places, which are tried first: names never change,
+    but what is added as a whole and fails is taken out again."""
+    known: dict[str, int] = parts._places
+    place = known.get(name, len(parts))
+    if place < len(parts) and parts[place].name == name:
+        return place
+    known.clear()
+    for number, part in enumerate(parts._unbound()):
+        known.setdefault(part.name, number)
+    if name not in known:
+        _refuse(name, [part.name for part in parts._unbound()], parts._kind)
+    return known[name]
 
 
 def _refuse(name: str, known: list[str], kind: str) -> NoReturn:

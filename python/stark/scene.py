@@ -191,7 +191,7 @@ class Scene(
     @property
     def energies(self) -> NamedTuple[Energy]:
         """Energies that were added, in the order of adding."""
-        return NamedTuple("energy", self._energies)
+        return NamedTuple("energy", self._energies, self)
 
     def _start_warnings(self, settings: Settings) -> list[str]:
         """What is probably not meant, of a scene that is simulated with these settings."""
@@ -252,12 +252,12 @@ class Scene(
     @property
     def bodies(self) -> NamedTuple[Body]:
         """All bodies in the order of adding."""
-        return NamedTuple("body", self._bodies)
+        return NamedTuple("body", self._bodies, self)
 
     @property
     def layers(self) -> NamedTuple[Layer]:
         """Skins and fibres of all bodies, in the order of adding."""
-        return NamedTuple("layer", self._layers)
+        return NamedTuple("layer", self._layers, self)
 
     def __getitem__(self, name: str) -> Any:
         """The body of a name; what kind of body it is, type checkers do not know."""

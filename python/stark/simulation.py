@@ -403,7 +403,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
     @property
     def bodies(self) -> NamedList[Body]:
         """Handles of all bodies, bound to this simulation, in the order of the scene."""
-        return NamedList("body", (b._bound_to(self) for b in self._scene.bodies[: self._core.body_count]))
+        return NamedList("body", self._scene._bodies[: self._core.body_count], self)
 
     @overload
     def __getitem__(self, body: AnyBody) -> AnyBody: ...
@@ -423,36 +423,34 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         """Handles of all skins and fibres, bound to this simulation, in the order of the scene."""
         counts = {"skin": self._core.skin_count, "fibres": self._core.fibres_count}
         known = (layer for layer in self._scene.layers if layer._index < counts[layer.kind])
-        return NamedList("layer", (layer._bound_to(self) for layer in known))
+        return NamedList("layer", known, self)
 
     @property
     def joints(self) -> NamedList[Joint]:
         """Handles of the joints of the scene, by number or name (``sim.joints["elbow"]``, and so with what
         follows here); their coordinates and reactions are those of this simulation."""
-        return NamedList("joint", (j._bound_to(self) for j in self._scene.joints[: self._core.joint_count]))
+        return NamedList("joint", self._scene._joints[: self._core.joint_count], self)
 
     @property
     def actuators(self) -> NamedList[Actuator]:
         """Handles of the actuators of the scene; their values and efforts are those of this simulation."""
-        known = self._scene.actuators[: self._core.actuator_count]
-        return NamedList("actuator", (actuator._bound_to(self) for actuator in known))
+        return NamedList("actuator", self._scene._actuators[: self._core.actuator_count], self)
 
     @property
     def robots(self) -> NamedList[Robot]:
         """Handles of the robots of the scene; their coordinates and efforts are those of this simulation."""
-        return NamedList("robot", (r._bound_to(self) for r in self._scene.robots if r._is_in(self)))
+        return NamedList("robot", (robot for robot in self._scene.robots if robot._is_in(self)), self)
 
     @property
     def attachments(self) -> NamedList[Attachment]:
         """Handles of the attachments of the scene; their forces are those of this simulation."""
-        known = self._scene.attachments[: self._core.attachment_count]
-        return NamedList("attachment", (attachment._bound_to(self) for attachment in known))
+        return NamedList("attachment", self._scene._attachments[: self._core.attachment_count], self)
 
     @property
     def energies(self) -> NamedList[Energy]:
         """Handles of the energies of the scene; their energies and forces are those of this simulation."""
         known = self._live_values[: self._energy_count]
-        return NamedList("energy", (live.energy._bound_to(self) for live in known))
+        return NamedList("energy", (live.energy for live in known), self)
 
     @property
     def contacts(self) -> Contacts:

@@ -84,6 +84,55 @@ def test_lists_and_tuples_are_those_of_python_otherwise() -> None:
     assert b not in NamedList("part", [a])
 
 
+def test_single_handles_are_made_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reading one joint of thousands made the handles of all."""
+    scene = stark.Scene()
+    for k in range(20):
+        box = scene.add_box(0.1, mass=1.0, position=(k, 0, 0), name=f"box {k}")
+        scene.add_hinge(None, box, anchor=(k, 0, 0), axis=(0, 0, 1), name=f"hinge {k}")
+    sim = stark.Simulation(scene, time_step=0.01)
+    made = []
+    plain = stark.Joint._bound_to
+
+    def counted(self: stark.Joint, simulation: stark.Simulation) -> stark.Joint:
+        made.append(self._index)
+        return plain(self, simulation)
+
+    monkeypatch.setattr(stark.Joint, "_bound_to", counted)
+    assert sim.joints[7].name == "hinge 7" and sim.joints["hinge 9"].name == "hinge 9"
+    assert sim.joints[-1].name == "hinge 19" and "hinge 3" in sim.joints and len(sim.joints) == 20
+    assert made == [7, 9, 19]
+    joints = sim.joints
+    assert joints[2] is joints["hinge 2"] is joints[2]
+    for parts in (
+        joints,
+        list(joints),
+        [*joints],
+        joints + joints[:0],
+        sorted(joints, key=lambda j: j.name),
+        joints[:],
+    ):
+        assert len(parts) == 20 and all(joint._of is sim for joint in parts)
+    assert next(reversed(joints)) is joints[-1] and joints.index(joints[3]) == 3
+    assert joints == list(joints) and joints[:0] + joints == joints and joints != [] and joints[5] in joints
+    joints.pop()
+    assert len(joints) == 19 and len(sim.joints) == 20
+
+
+def test_names_of_what_was_taken_out_again() -> None:
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=1.0, name="box")
+    with pytest.raises(RuntimeError, match="on purpose"), scene._all_or_nothing():
+        scene.add_hinge(None, box, anchor=(0, 0, 0), axis=(0, 0, 1), name="first")
+        scene.add_hinge(None, box, anchor=(0, 0, 0), axis=(0, 0, 1), name="second")
+        assert scene.joints["second"].name == "second"
+        raise RuntimeError("on purpose")
+    with pytest.raises(stark.InvalidArgument, match="unknown joint 'second'"):
+        scene.joints["second"]
+    scene.add_hinge(None, box, anchor=(0, 0, 0), axis=(0, 0, 1), name="second")
+    assert scene.joints["second"]._index == 0 and stark.Simulation(scene).joints["second"]._index == 0
+
+
 def test_copies_are_of_the_same_parts() -> None:
     scene, sim = machine()
     for parts in (scene.bodies, sim.bodies, scene.joints):

@@ -62,4 +62,4 @@ class SceneActuators(SceneLink):
     @property
     def actuators(self) -> NamedTuple[Actuator]:
         """Actuators in the order of adding."""
-        return NamedTuple("actuator", self._actuators)
+        return NamedTuple("actuator", self._actuators, self)

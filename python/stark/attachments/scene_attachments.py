@@ -108,4 +108,4 @@ class SceneAttachments(SceneLink):
     @property
     def attachments(self) -> NamedTuple[Attachment]:
         """Attachments in the order of adding."""
-        return NamedTuple("attachment", self._attachments)
+        return NamedTuple("attachment", self._attachments, self)

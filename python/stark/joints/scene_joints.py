@@ -280,7 +280,7 @@ class SceneJoints(SceneLink):
     @property
     def joints(self) -> NamedTuple[Joint]:
         """Joints in the order of adding."""
-        return NamedTuple("joint", self._joints)
+        return NamedTuple("joint", self._joints, self)
 
 
 def _points(

@@ -107,7 +107,7 @@ class SceneRobots(SceneLink):
     @property
     def robots(self) -> NamedTuple[Robot]:
         """Robots in the order of adding."""
-        return NamedTuple("robot", self._robots)
+        return NamedTuple("robot", self._robots, self)
 
     def _robot_name(self, name: str, *, chosen: bool) -> str:
         taken = {robot.name for robot in self._robots}
