@@ -10,8 +10,22 @@ from pathlib import Path
 from typing import Any
 
 from ..array_file import is_leftover, naming, remove_leftovers
+from ..caller import warn
 from ..telemetry import _plain
-from .format import CERTIFICATE, CHECKPOINT, FIELDS, LOCK, MANIFEST, PAGE, STATES, TELEMETRY, RecordingError
+from .format import (
+    CERTIFICATE,
+    CHECKPOINT,
+    FAILURE,
+    FIELDS,
+    LOCK,
+    MADE_LATER,
+    MANIFEST,
+    PAGE,
+    PICTURE,
+    STATES,
+    TELEMETRY,
+    RecordingError,
+)
 from .lock import FolderLock
 
 
@@ -48,13 +62,30 @@ def _require_recording(folder: Path) -> None:
 def _empty(folder: Path) -> None:
     """The checkpoint goes first: what is left when the process is killed here is not resumed. The manifest
     stays until it is replaced: the folder is known as that of a recording."""
-    for name in (CHECKPOINT, CERTIFICATE, TELEMETRY, PAGE):
+    for name in (CHECKPOINT, CERTIFICATE, TELEMETRY, PAGE, PICTURE):
         (folder / name).unlink(missing_ok=True)
-    for name in ("frames", STATES, FIELDS):
-        if (folder / name).is_symlink():
-            (folder / name).unlink()
-        shutil.rmtree(folder / name, ignore_errors=True)
+    for name in ("frames", STATES, FIELDS, FAILURE):
+        _remove_folder(folder / name)
     remove_leftovers(folder)
+    if kept := [name for name in MADE_LATER if (folder / name).exists()]:
+        warn(
+            f"'{folder}' keeps what was made of its earlier recording: {', '.join(kept)}; remove it, or make "
+            f"it again of the new one, or record into another folder"
+        )
+
+
+def tidy(folder: Path) -> None:
+    """Before a recording goes on: what a killed process left, and the failed step, which is taken again."""
+    for part in (folder, folder / "frames", folder / STATES, folder / FIELDS):
+        remove_leftovers(part)
+    _remove_folder(folder / FAILURE)
+
+
+def _remove_folder(folder: Path) -> None:
+    """With what is in it; a link alone, not what it leads to."""
+    if folder.is_symlink():
+        folder.unlink()
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def drop_chunks_after(folder: Path, count: int) -> None:

@@ -20,6 +20,14 @@ STATES = "states"
 FIELDS = "fields"
 CERTIFICATE = "certificate.json"
 PAGE = "replay.html"
+#: Of ``stark run``: the last frame, and the step that failed (stark.reproducer).
+PICTURE = "picture.png"
+FAILURE = "failure"
+#: What other commands make of a recording, under the names that they take where none is given.
+MADE_LATER = (
+    *("still.png", "video.mp4"),
+    *("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "pc2", "parquet", "mcap"),
+)
 #: Held by the process that writes the folder, see stark.recording.lock.
 LOCK = "run.lock"
 STATES_VERSION = 2

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import given_flag, given_path
-from ..array_file import WriteError, make_folder, remove_leftovers, write_arrays, write_atomically
+from ..array_file import WriteError, make_folder, write_arrays, write_atomically
 from ..files import resolved
 from ..telemetry import SERIES, TelemetryWriter, _plain, digest_of_last, first_lines
 from . import chain
 from .chain import RowChain
 from .fields import Arrays, FieldWriter, write_chunk
-from .folder import drop_chunks_after, prepare, require_same_settings
+from .folder import drop_chunks_after, prepare, require_same_settings, tidy
 from .format import (
     CHUNK_FRAMES,
     FIELDS,
@@ -251,8 +251,7 @@ class Recorder:
             recorder._states = StateWriter.resume(
                 folder, sim, recorder._chunk_frames, states, chained="chain" in recorder._manifest
             )
-        for part in (folder, folder / "frames", folder / STATES, folder / FIELDS):
-            remove_leftovers(part)
+        tidy(folder)
         recorder._closed = False
         recorder._go_on(lines)
         remember(sim, recorder, str(recorder._manifest["created"]))

@@ -18,7 +18,7 @@ from ..array_file import WriteError, refuse_link
 from ..checkpoint import CheckpointError
 from ..files import resolved
 from ..recording import Recorder, Recording
-from ..recording.format import CHECKPOINT
+from ..recording.format import CHECKPOINT, FAILURE, PICTURE
 from ..steps import OnProgress, limit_of_step, reached
 from .options import SceneFileError
 from .scene_file import SceneFile, load
@@ -28,9 +28,6 @@ _QUICK_PAGE_BYTES = 20e6
 
 #: Wall-clock time from one checkpoint of a run to the next [s].
 CHECKPOINT_PERIOD = 60.0
-
-#: Folder within a run that holds the step that failed (stark.reproducer).
-FAILURE = "failure"
 
 #: What a scene's drive(sim) must do.
 DRIVE_RULE = "set targets and live values, and place bodies, only; the run takes the steps"
@@ -351,7 +348,7 @@ def _finish(result: RunResult, scene_file: SceneFile, replay: bool, picture: boo
     if picture and result.status != "interrupted":
         from ..render import render, write_png
 
-        path = result.folder / "picture.png"
+        path = result.folder / PICTURE
         write_png(path, render(recording.frame(-1)))
         result.files.append(path)
     if check and result.status == "complete" and scene_file.has_check:
