@@ -2,7 +2,8 @@
 
     PYTHONPATH=python python -m benchmarks.trace soft_column_6 [--steps FROM TO] [--until T] [--csv FILE]
 
-One line for each iteration of the steps asked for:
+The scene is a file, a packaged scene or one of benchmarks/scenes, by name. One line for each iteration of the
+steps asked for:
 
   kind       exact or projected Hessian; `again`: the last factors, no new matrix; `+n` for n iterations of
              conjugate gradients
@@ -23,6 +24,8 @@ import csv
 import sys
 from collections import Counter
 from typing import Any
+
+from benchmarks.larger import FOLDER, RULES
 
 import stark
 from stark.cli.settings_arguments import add_setting_arguments, parse_settings
@@ -110,7 +113,8 @@ def trace(
     name: str, settings: dict[str, Any], until: float | None, steps: range | None
 ) -> list[dict[str, Any]]:
     """Rows of all iterations of the steps asked for; all steps without `steps`."""
-    scene_file = load(name)
+    larger = FOLDER / f"{name}.py"
+    scene_file = load(larger if name in RULES else name)
     end = end_time(scene_file, until)
     scene, own = scene_file.build()
     sim = stark.Simulation(scene, **{**own, "newton.step_tolerance": 0.0, "execution.threads": 1, **settings})

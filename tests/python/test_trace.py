@@ -37,3 +37,23 @@ def test_every_iteration_has_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert tool.main() == 0
     with path.open(newline="") as file:
         assert next(csv.reader(file)) == [*tool.COLUMNS, "cause"]
+
+
+def test_larger_scenes_go_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They had to be given as paths."""
+    monkeypatch.syspath_prepend(str(ROOT))
+    import benchmarks.trace as tool
+
+    asked = []
+
+    def load(scene: object) -> None:
+        asked.append(scene)
+        raise RuntimeError("not built")
+
+    monkeypatch.setattr(tool, "load", load)
+    for name in ("rigid_pile_500", "stack", "some/file.py"):
+        with pytest.raises(RuntimeError, match="not built"):
+            tool.trace(name, {}, 0.1, None)
+    folder = ROOT / "benchmarks" / "scenes"
+    assert asked == [folder / "rigid_pile_500.py", "stack", "some/file.py"]
+    assert set(tool.RULES) == {p.stem for p in folder.glob("*.py")} - {"__init__", "__main__"}

@@ -285,7 +285,7 @@ def _pairs(scene: Any) -> list[dict[str, Any]]:
 def _followers(scene: Any, motions: Motions) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for body, followers in scene._followers.items():
-        owner = f"'{scene.bodies[body].name}'"
+        owner = f"'{scene._bodies[body].name}'"
         for follower in followers:
             if isinstance(follower, GravityFollower):  # of the drives of a robot
                 continue
