@@ -324,14 +324,26 @@ class Robot(RobotDynamics):
         numbers = self._given("q", q, self.q)
         return kinematics.placements(self.description, numbers, *self._rests())
 
-    def jacobian(self, link: str, point: ArrayLike = (0.0, 0.0, 0.0), q: Values | None = None) -> Floats:
+    def jacobian(
+        self,
+        link: str,
+        point: ArrayLike = (0.0, 0.0, 0.0),
+        q: Values | None = None,
+        *,
+        with_base: bool = False,
+    ) -> Floats:
         """(6, n): velocity [m/s] (rows 0 to 2) of a ``point`` [m] in the frame of a link and angular velocity
         [rad/s] (rows 3 to 5), in world axes, for each rate of q, while the base rests. At the present q if
-        left out. Raises InvalidArgument for unknown links."""
+        left out. ``with_base``: (6, 6 + n), first for ``velocity`` and ``angular_velocity`` of the robot,
+        those of its base in world axes. Floating and ball joints rest. Raises InvalidArgument for unknown
+        links."""
         self._require_link(link)
         frames = self.forward_kinematics(self.q if q is None else q)
         place = frames[link].at(vector(point, f"robot '{self.name}': point"), np.eye(3)).position
-        return kinematics.jacobian(self.description, frames, link, place)
+        columns = kinematics.jacobian(self.description, frames, link, place)
+        if not given_flag(with_base, f"robot '{self.name}': jacobian: with_base"):
+            return columns
+        return np.hstack([kinematics.base_columns(self.description, frames, link, place), columns])
 
     def inverse_kinematics(
         self,

@@ -164,6 +164,20 @@ def jacobian(robot: RobotDescription, links: Mapping[str, Placement], link: str,
     return columns
 
 
+def base_columns(robot: RobotDescription, links: Mapping[str, Placement], link: str, point: Floats) -> Floats:
+    """The same for each velocity of the origin of the base, then each angular velocity of the base, in world
+    axes: (6, 6). Links beyond a floating joint do not move with the base."""
+    columns = np.eye(6)
+    x, y, z = point - links[robot.root].position
+    columns[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    parent_joint = {joint.child: joint for joint in robot.outwards}
+    while link in parent_joint:
+        if parent_joint[link].kind == "floating":
+            return np.zeros((6, 6))
+        link = parent_joint[link].parent
+    return columns
+
+
 def cross(a: Floats, b: Floats) -> Floats:
     """As np.cross, faster."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])

@@ -56,6 +56,13 @@ def test_all_of_a_floating_robot_is_placed_and_pushed() -> None:
     arm = palm.position + palm.rotation @ point - robot.pose[0]
     turning = np.cross([0.5, -1.0, 2.0], arm)
     np.testing.assert_allclose(palm.body.velocity, np.array([1.0, 2.0, 3.0]) + turning + own, atol=1e-6)
+    all_rates = np.concatenate([robot.velocity, robot.angular_velocity, robot.qd])
+    moved = robot.jacobian("palm", point, with_base=True) @ all_rates
+    np.testing.assert_allclose(moved, [*palm.body.velocity, *palm.body.angular_velocity], atol=1e-6)
+    root = robot.description.root
+    np.testing.assert_array_equal(robot.jacobian(root, with_base=True), np.eye(6, 12))
+    with pytest.raises(stark.InvalidArgument, match="jacobian: with_base = 'yes': must be True or False"):
+        robot.jacobian("palm", with_base="yes")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
