@@ -26,6 +26,7 @@ from stark.handle import Follower
 from stark.joints.joined_ends import joined_ends_warnings
 from stark.joints.scene_joints import SceneJoints
 from stark.joints.unfit_starts import unfit_start_warnings
+from stark.loads.idle import idle_load_warnings
 from stark.loads.scene_loads import SceneLoads
 from stark.named import NamedTuple
 from stark.robots.scene_robots import SceneRobots
@@ -205,6 +206,7 @@ class Scene(
             *ring_warnings(self._bodies, self._joints, self._attachments),
             *unjoined_warnings(self._bodies, self._energies, self._attachments, self._joints, self._layers),
             *self._twin_warnings(),
+            *idle_load_warnings(self._energies),
         ]
 
     def _uneven_starts(self, simulation: _core.Simulation, followers: Iterable[Follower]) -> list[str]:
