@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
 
+#: Of one file or folder, in all file systems that matter [bytes].
+_LONGEST_NAME = 255
+
 
 def given_name(name: Any) -> str:
     """A name for the core: "" for None, which has one chosen. Raises InvalidArgument for anything but a text,
@@ -79,11 +82,15 @@ def given_path(value: Any, what: str) -> Path:
     if not isinstance(text, str) or not text:
         raise InvalidArgument(f"{what} = {value!r}: must be a path: a non-empty text or a pathlib.Path")
     try:
-        writable = b"\0" not in os.fsencode(text)
+        name = os.fsencode(text)
+        writable = b"\0" not in name and max(map(len, name.split(b"/"))) <= _LONGEST_NAME
     except UnicodeEncodeError:
         writable = False
     if not writable:
-        raise InvalidArgument(f"{what} = {value!r}: must be of characters that names of files can have")
+        raise InvalidArgument(
+            f"{what} = {shown_value(value)}: must be of characters that names of files can have, in "
+            f"names of at most {_LONGEST_NAME} bytes"
+        )
     return Path(text)
 
 

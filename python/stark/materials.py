@@ -153,7 +153,7 @@ class _Material(Generic[_CoreMaterial]):
 
     def replace(self, *, name: str | None = None, **parameters: ArrayLike) -> Self:
         """Copy with other parameters, numbers or arrays with a value for each element; ranges are checked."""
-        new_name = self.name if name is None else name
+        new_name = self.name if name is None else given_word(name, f"{type(self).__name__}: name")
         self._refuse_replaced(self.law, parameters, new_name)
         core, fields = self._changed(parameters, new_name)
         source = self.source if not parameters else ""

@@ -148,6 +148,10 @@ class Scene(
         simulation already."""
         from stark.bodies.overlaps import overlapping
 
+        if isinstance(bodies, (str, Body)) or not (bodies is None or isinstance(bodies, Iterable)):
+            raise InvalidArgument(
+                f"disable_overlapping: bodies = {bodies!r}: must be a list of bodies; leave it out for all"
+            )
         chosen = list(self._bodies if bodies is None else (self._bodies[self._index(b)] for b in bodies))
         pairs = overlapping(self, chosen)
         for a, b in pairs:

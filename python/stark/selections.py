@@ -348,7 +348,7 @@ def rows_of(key: Any, count: int, owner: str) -> NDArray[np.intp]:
     does."""
     refuse_masked(key, f"{owner}: the index")
     if isinstance(key, (list, tuple)):
-        key = np.asarray(key)
+        key = as_array(key, f"{owner}: the index")
     if isinstance(key, np.ndarray) and key.shape == (0,) and key.dtype != bool:
         key = np.zeros(0, dtype=np.intp)
     try:

@@ -91,6 +91,7 @@ class Settings:
 
     def update(self, values: Mapping[str, Any]) -> None:
         """Assigns all entries by name, or none when one is refused. Groups may be nested mappings."""
+        _require_mapping(values)
         changed = self._core.copy()
         for name, value in values.items():
             if isinstance(value, Mapping) and name not in _defaults() and name not in _SHORT:
@@ -104,8 +105,7 @@ class Settings:
 
     def set_text(self, assignment: str) -> None:
         """Assigns from text, as on a command line: ``"newton.step_tolerance=1e-4"``."""
-        if not isinstance(assignment, str) or "=" not in assignment:
-            raise InvalidSetting(f"{assignment!r}: must have the form name=value, a text")
+        _require_assignment(assignment)
         name, _, text = assignment.partition("=")
         self._core.set_text(name.strip(), text.strip())
 
@@ -144,7 +144,7 @@ class Settings:
         return self._core.brief()
 
     def __getitem__(self, name: str) -> Any:
-        return self._core.read(name)
+        return self._core.read(_given_name(name))
 
     def __setitem__(self, name: str, value: Any) -> None:
         _assign(self._core, name, value)
@@ -190,10 +190,12 @@ class FixedSettings(Settings):
     __slots__ = ()
 
     def update(self, values: Mapping[str, Any]) -> None:
+        _require_mapping(values)
         if values:
             self._refuse(next(iter(values)))
 
     def set_text(self, assignment: str) -> None:
+        _require_assignment(assignment)
         self._refuse(assignment.partition("=")[0].strip())
 
     def __setitem__(self, name: str, value: Any) -> None:
@@ -203,7 +205,7 @@ class FixedSettings(Settings):
         self._refuse(name)
 
     def _refuse(self, name: str) -> None:
-        known = self._core.read(name) if name not in _groups(self.names()) else "..."
+        known = self._core.read(_given_name(name)) if name not in _groups(self.names()) else "..."
         raise InvalidSetting(
             f"{name} = {known!r}: settings of a simulation cannot be changed; create a new one with "
             f"stark.Simulation(scene, sim.settings, {name}=...)"
@@ -243,9 +245,27 @@ def _refuse_text(name: str, default: Any, text: str) -> None:
     )
 
 
-def _assign(core: _core.Settings, name: str, value: Any) -> None:
+def _given_name(name: Any) -> str:
+    """The name of a setting; InvalidSetting for anything but a text."""
     if not isinstance(name, str):
-        return core.assign(name, value)
+        raise InvalidSetting(f"{name!r}: must be the name of a setting, such as 'time.step'")
+    return name
+
+
+def _require_mapping(values: Any) -> None:
+    if not isinstance(values, Mapping):
+        raise InvalidSetting(
+            f"{values!r}: must be a dictionary of settings by name, such as {{'time.step': 0.01}}"
+        )
+
+
+def _require_assignment(text: Any) -> None:
+    if not isinstance(text, str) or "=" not in text:
+        raise InvalidSetting(f"{text!r}: must have the form name=value, a text")
+
+
+def _assign(core: _core.Settings, name: str, value: Any) -> None:
+    _given_name(name)
     if isinstance(value, np.bool_):  # as comparisons of NumPy give it
         value = bool(value)
     default = _defaults().get(_SHORT.get(name, name))

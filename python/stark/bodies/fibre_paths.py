@@ -68,7 +68,7 @@ def _rows(paths: Any, owner: str) -> list[Indices]:
     try:
         is_one = len(paths) > 0 and all(np.ndim(entry) == 0 for entry in paths)
         rows = [np.asarray(row) for row in ([paths] if is_one else paths)]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(f"{owner}: paths = {paths!r}: must be rows of vertex indices") from None
     for k, row in enumerate(rows):
         if row.ndim != 1 or (row.size and row.dtype.kind not in "iu"):

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.arguments import shown_value
 from stark.bodies.contact_pressures import areas_of, pressure_on, touched
 from stark.handle import BodyHandle, SceneLink, SimulationLink, names_of
 from stark.readings import reading
@@ -19,6 +20,7 @@ from stark.rotations import as_matrix, vector
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
+_MOST = 2**31 - 1  # vertices
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +105,12 @@ class Contacts:
 
     def vertex_forces(self, count: int) -> Array:
         """Forces on the ``count`` vertices of the first body (count, 3) [N]; use after ``of()``."""
+        least = int(self.vertices.max(initial=-1)) + 1
+        if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or not least <= count <= _MOST:
+            raise InvalidArgument(
+                f"contacts: vertex_forces: count = {shown_value(count)}: must be the number of vertices of "
+                f"the first body, at least {least} here"
+            )
         return self._spread(self.forces, count)
 
     def _spread(self, forces: Array, count: int) -> Array:

@@ -185,7 +185,7 @@ def _limits(parameter: FitParameter, given: Any) -> tuple[float, float]:
         return low, high
     try:
         first, last = given
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(
             f"fit: bounds['{parameter.name}'] = {given!r}: must be (lowest, highest)"
         ) from None

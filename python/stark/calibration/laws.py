@@ -132,7 +132,7 @@ def _refuse_yielding(base: Any) -> None:
 
 def _named(law: Any) -> Any:
     """The law behind what was given, or a class of materials."""
-    if isinstance(law, (MaterialLaw, *_CORE_LAWS)) or law in _MATERIALS:
+    if isinstance(law, (MaterialLaw, *_CORE_LAWS)) or (isinstance(law, type) and law in _MATERIALS):
         return law
     name = getattr(law, "__name__", "")
     if name == "generalized_maxwell":

@@ -15,6 +15,7 @@ from stark.array_file import naming
 from stark.files import plain_name, resolved
 from stark.recording.export import export
 from stark.recording.format import RecordingError
+from stark.recording.reader import given_recording
 
 from .series import write_series
 from .shots import MOTION, Camera, Shot, check_fields, frames_of
@@ -128,8 +129,9 @@ def export_recording(
     PLY and OBJ have none. "parquet" and "mcap" are the
     numbers of every step. ``progress(done, total)`` is called after each frame. Raises RecordingError for
     unknown formats and empty recordings."""
-    if format not in FORMATS:
-        swapped = "; the folder comes first" if folder in FORMATS else ""
+    given_recording(recording, "export_recording")
+    if not isinstance(format, str) or format not in FORMATS:
+        swapped = "; the folder comes first" if isinstance(folder, str) and folder in FORMATS else ""
         raise RecordingError(f"format '{format}' is unknown; choose one of {', '.join(FORMATS)}{swapped}")
     chosen = list(range(len(recording)) if frames is None else frames)
     if format in _PLAIN:

@@ -41,7 +41,7 @@ def internal(initial: Any = 0.0, *, unit: str = "1", doc: str = "") -> Any:
         raise TraceError(f"stark.internal: unit = {unit!r}: must be a text such as 'Pa'")
     try:
         values = np.array(initial, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TraceError(f"stark.internal: initial = {initial!r}: must be a number or an array") from None
     if not np.isfinite(values).all():
         raise TraceError(f"stark.internal: initial = {initial!r} {unit}: must be finite")

@@ -152,7 +152,7 @@ def numbers_of(owner: str, parameter: Parameter, given: Any) -> Array:
         array = np.asarray(given)
         if array.dtype.kind not in "biuf":
             raise TypeError
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(
             f"{owner}: {parameter.describe()} = {shown_value(given)}: must be {_needed(parameter)}"
             + ("; it is constant in time" if callable(given) else "")

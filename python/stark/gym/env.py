@@ -55,7 +55,11 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         size: tuple[int, int] = (480, 360),
         picture: Mapping[str, Any] | None = None,
     ) -> None:
-        if render_mode not in (None, *self.metadata["render_modes"]):
+        for what, given in (("options", options), ("settings", settings), ("picture", picture)):
+            if given is not None and not isinstance(given, Mapping):
+                raise TaskError(f"SceneEnv: {what} = {given!r}: must be a dictionary of values by name")
+        modes = (None, *self.metadata["render_modes"])
+        if not isinstance(render_mode, (str, type(None))) or render_mode not in modes:
             raise TaskError(f"SceneEnv: render_mode = {render_mode!r}: must be None or 'rgb_array'")
         self.task: Task = checked(task_of(scene, options, task))
         self.action_space: Box = self.task.action_space
@@ -177,7 +181,7 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         space = self.task.action_space
         try:
             numbers = np.asarray(action, dtype=np.float64)
-        except (TypeError, ValueError):  # a text, rows of several lengths
+        except (TypeError, ValueError, OverflowError):  # a text, rows of several lengths
             numbers = np.full(space.shape, np.nan)
         if numbers.shape != space.shape or not np.isfinite(numbers).all():
             raise TaskError(
@@ -197,7 +201,7 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             observed = self.task.observe(self.sim)
         try:
             numbers = np.asarray(observed, dtype=np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise self._wrong("observe", observed, f"{space.shape} finite numbers") from None
         if observed is None or numbers.shape != space.shape or not np.isfinite(numbers).all():
             found = "None" if observed is None else f"the shape {numbers.shape}"

@@ -159,7 +159,7 @@ def unit_normal(normal: str | ArrayLike, owner: str) -> Floats:
     """(3,) of "x", "y", "z" or a vector; InvalidArgument for anything else."""
     try:
         vector = np.asarray(_AXES[normal] if isinstance(normal, str) else normal, dtype=np.float64)
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, OverflowError):
         vector = np.zeros(0)
     length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
     if not 0.0 < length < np.inf:

@@ -23,7 +23,7 @@ def points_of(values: ArrayLike, name: str) -> Points:
         if array.dtype.kind not in "iuf":
             raise TypeError
         array = np.array(array, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidMesh(
             f"{name}: got {type(values).__name__}: must be an array of shape (n, 3) of real numbers [m]"
         ) from None
@@ -39,7 +39,7 @@ def indices_of(values: ArrayLike, columns: int, name: str) -> Indices:
     refuse_masked(values, name)
     try:
         array = np.asarray(values)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         array = np.empty((), dtype=object)
     if array.size == 0:
         return np.empty((0, columns), dtype=np.int32)
@@ -73,7 +73,7 @@ def numbers_of(value: Any) -> NDArray[np.float64]:
     """As an array of real numbers, an empty one if it is none."""
     try:
         array = np.asarray(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return np.empty(0)
     return array.astype(np.float64) if array.dtype.kind in "iuf" else np.empty(0)
 

@@ -59,7 +59,7 @@ def convex_hull(mesh: Any) -> TriangleMesh:
         raise ImportError("stark.mesh.convex_hull needs manifold3d: pip install 'stark-sim[mesh]'") from error
     try:
         given = np.asarray(points, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidMesh(
             f"convex_hull: got {type(mesh).__name__}: must be a mesh or points (n, 3) [m]; files are read by "
             f"stark.mesh.load(path)"

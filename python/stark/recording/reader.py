@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import given_path
+from ..arguments import given_path, given_word, real_number, shown_value
 from ..array_file import DamageError, read_arrays
 from ..caller import warn
 from ..files import read_text, resolved
@@ -256,8 +256,10 @@ class Recording:
                 return int(body)
             raise RecordingError(f"'{self.folder}' has {len(self.bodies)} bodies, no body {body}")
         names = [entry.name for entry in self.bodies]
-        if body not in names:
-            raise RecordingError(f"'{self.folder}' has no body '{body}'; it has: {', '.join(names)}")
+        if not isinstance(body, str) or body not in names:
+            raise RecordingError(
+                f"'{self.folder}' has no body {shown_value(body)}; it has: {', '.join(names)}"
+            )
         return names.index(body)
 
     def triangles(self, body: str | int) -> np.ndarray:
@@ -308,6 +310,7 @@ class Recording:
     def field(self, name: str, frame: int) -> dict[str, np.ndarray]:
         """A recorded field in a frame: values (n,) float32 at the drawn vertices, by name of body. Raises
         RecordingError for fields that were not recorded."""
+        name = given_word(name, "recording: field: name")
         numbers = [k for k, entry in enumerate(self.fields) if entry.name == name]
         if not numbers:
             known = ", ".join(entry.name for entry in self.fields) or "none"
@@ -355,6 +358,7 @@ class Recording:
         """Index of the frame nearest to ``time`` [s]; the last one for infinity."""
         if not len(self):
             raise RecordingError(f"'{self.folder}' has no frames")
+        time = real_number(time, f"'{self.folder}': time")
         if math.isnan(time):
             raise RecordingError(f"'{self.folder}': time = {time}: must be a time [s]; it has {self._span()}")
         return int(np.argmin(np.abs(self.times - np.clip(time, self.times[0], self.times[-1]))))
@@ -365,6 +369,7 @@ class Recording:
     def beyond(self, time: float) -> str:
         """What to say of a time [s] before the first frame or after the last one; empty for others, and for
         infinity, which is the end."""
+        time = real_number(time, f"'{self.folder}': time")
         if not len(self) or not math.isfinite(time) or self.times[0] - 1e-6 <= time <= self.times[-1] + 1e-6:
             return ""
         return f"the recording has {self._span()}, the nearest of them is taken for {time:g} s"

@@ -114,8 +114,8 @@ class Recorder:
     ) -> None:
         certify = given_flag(certify, "recording: certify")
         contacts = given_flag(contacts, "recording: contacts")
-        if chunk_frames < 1:
-            raise RecordingError(f"chunk_frames = {chunk_frames}; must be at least 1")
+        if type(chunk_frames) is not int or chunk_frames < 1:
+            raise RecordingError(f"chunk_frames = {chunk_frames!r}: must be a whole number, at least 1")
         self.folder: Path = resolved(given_path(folder, "recording: folder"))
         self._written = 0
         self._chunk_frames = chunk_frames

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .._core import InvalidArgument
+from ..arguments import shown_value
 from ..recording.format import drawn, surface
 
 #: Azimuth and elevation [rad] of the named views; the same as in the replay page.
@@ -141,6 +142,8 @@ def upright(up: tuple[float, float, float]) -> np.ndarray:
 def scene_bounds(*frames: Any) -> Bounds:
     """Bounds over one or more frames (anything with ``.bodies``): all that moves, and fixed bodies unless
     much larger. Up is against gravity of the first one, where that is along an axis."""
+    if not frames:
+        raise InvalidArgument("scene_bounds: got no frames: must be at least one frame or simulation")
     return bounds_of([drawn(frame) for frame in frames], up_of(frames[0]))
 
 
@@ -189,8 +192,10 @@ def auto_camera(
     vertical_fov: float = Camera.vertical_fov,
 ) -> Camera:
     """A camera that shows the whole box of ``bounds`` from a named view: oblique, front, side, top."""
-    if view not in VIEWS:
-        raise InvalidArgument(f"view '{view}' is unknown; choose one of {', '.join(VIEWS)}")
+    if not isinstance(bounds, Bounds):
+        raise InvalidArgument(f"bounds = {shown_value(bounds)}: must be those of scene_bounds(sim)")
+    if not isinstance(view, str) or view not in VIEWS:
+        raise InvalidArgument(f"view {shown_value(view)} is unknown; choose one of {', '.join(VIEWS)}")
     azimuth, elevation = VIEWS[view]
     fov = vertical_fov
     back = np.array(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .._core import InvalidArgument
-from ..arguments import given_flag, given_word, real_array
+from ..arguments import given_flag, given_word, real_array, shown_value
 from ..palette import body_colors
 from ..recording.format import drawn
 from .aiming import aimed
@@ -76,10 +76,15 @@ def render(
     of this body.
 
     Raises InvalidArgument for names and words that are unknown and numbers out of range."""
-    if quality not in QUALITIES:
-        raise InvalidArgument(f"quality '{quality}' is unknown; choose one of {', '.join(QUALITIES)}")
-    if not (1 <= width <= 16384 and 1 <= height <= 16384):
-        raise InvalidArgument(f"size {width} x {height} px: each must be in [1, 16384]")
+    if not isinstance(quality, str) or quality not in QUALITIES:
+        raise InvalidArgument(
+            f"quality {shown_value(quality)} is unknown; choose one of {', '.join(QUALITIES)}"
+        )
+    sizes = [isinstance(size, (int, np.integer)) and 1 <= size <= 16384 for size in (width, height)]
+    if not all(sizes):
+        raise InvalidArgument(
+            f"size {shown_value(width)} x {shown_value(height)} px: each must be in [1, 16384], and whole"
+        )
     everything = drawn(source)
     names = [str(body.name) for body in everything]
     kept = kept_of(names, bodies, hide)
@@ -156,7 +161,7 @@ def _planes(clip: Sequence[Any] | None, bodies: Sequence[Any]) -> list[Plane | N
     try:
         point, normal, *cut = clip
         (chosen,) = cut or [None]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(
             f"clip = {clip!r}: must be (point [m], normal) or (point, normal, bodies): "
             f"((0, 0, 0.1), (0, -1, 0), 'jelly')"

@@ -10,7 +10,7 @@ import numpy as np
 from stark.body_kinds import row_of
 
 from .._core import InvalidArgument
-from ..arguments import given_choice
+from ..arguments import given_choice, shown_value
 from .choosing import matching
 from .deformation import Deformation, at_body, of_body
 from .fields import body_stress
@@ -40,8 +40,8 @@ def tensor_values(sim: Any, name: str, bodies: Any = None, *, at: str = "vertice
       axis at rest is the first edge of each triangle, or its warp direction.
 
     What counts as stress, and errors: as in ``field_values``."""
-    if name not in _KINDS:
-        raise InvalidArgument(f"tensor '{name}' is unknown: must be one of {', '.join(_KINDS)}")
+    if not isinstance(name, str) or name not in _KINDS:
+        raise InvalidArgument(f"tensor {shown_value(name)} is unknown: must be one of {', '.join(_KINDS)}")
     kind, at = _KINDS[name], given_choice(at, ("vertices", "elements"), "tensor_values: at")
     if at == "vertices" and not kind.has_means:
         raise InvalidArgument(f"tensor '{name}': has no values at vertices: must be at='elements'")

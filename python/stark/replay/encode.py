@@ -22,8 +22,10 @@ import numpy as np
 
 from stark.body_kinds import has_pose
 
+from ..arguments import real_number
 from ..palette import body_colors
 from ..recording import Recording, RecordingError
+from ..recording.reader import given_recording
 from ..render.camera import up_of
 from .encode_fields import encode_contacts, encode_fields, split_bytes
 
@@ -63,6 +65,8 @@ _LARGEST = 1e18
 
 def choose_stride(recording: Recording, max_megabytes: float) -> int:
     """Smallest frame stride whose estimated page size stays below ``max_megabytes``."""
+    if not real_number(max_megabytes, "replay: max_megabytes") > 0.0:
+        raise RecordingError(f"replay: max_megabytes = {max_megabytes}: must be > 0")
     vertices = sum(body.vertex_count for body in recording.bodies if not has_pose(body))
     estimate = vertices * len(recording) * _BYTES_PER_VERTEX
     for entry in recording.fields:
@@ -143,12 +147,13 @@ def _decode_range(data: bytes, frame_count: int, vertex_count: int) -> np.ndarra
 
 def encode(recording: Recording, *, stride: int | None = None, max_megabytes: float = 60.0) -> EncodedReplay:
     """Compresses every ``stride``-th frame and the last; ``stride`` None picks one for ``max_megabytes``."""
+    given_recording(recording, "replay")
     if not len(recording):
         raise RecordingError(f"'{recording.folder}' has no frames; there is nothing to replay")
     if stride is None:
         stride = choose_stride(recording, max_megabytes)
-    if stride < 1:
-        raise RecordingError(f"frame stride = {stride}; must be at least 1")
+    if not isinstance(stride, (int, np.integer)) or stride < 1:
+        raise RecordingError(f"frame stride = {stride!r}; must be at least 1, and whole")
     kept = list(range(0, len(recording), stride))
     if kept[-1] != len(recording) - 1:
         kept.append(len(recording) - 1)

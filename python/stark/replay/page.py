@@ -135,6 +135,8 @@ def write_page(
     ``max_megabytes`` megabytes. ``overlay``: another run, whose numbers the plots show as dashed lines.
     """
     given_recording(recording, "write_page")
+    if overlay is not None:
+        given_recording(overlay, "write_page: overlay")
     target = recording.folder / PAGE if path is None else given_path(path, "write_page: path")
     page = assemble(
         encode(recording, stride=stride, max_megabytes=max_megabytes), recording.telemetry, overlay

@@ -153,7 +153,7 @@ def _exclusions(description: RobotDescription, owner: str, given: Any) -> tuple[
         return read_exclusions(given, description.links)
     try:
         return tuple((str(a), str(b)) for a, b in given)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(
             f"{owner}: exclude = {given!r}: must be pairs of links, as [('wrist', 'base')], or an SRDF file"
         ) from None

@@ -59,6 +59,6 @@ def _says_something(value: Any) -> bool:
         return bool(value)
     try:
         numbers = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return True
     return bool(np.any(np.isfinite(numbers) & (numbers != 0.0) & (np.abs(numbers) < 1e30)))

@@ -139,6 +139,12 @@ def load(scene: str | PathLike[str], options: Mapping[str, Any] | None = None) -
     """A scene by the name of a packaged one, or by the path of a Python file or a scene document
     (``.json``). ``options`` replace values of the file's own ``options``; those that differ are appended to
     the name."""
+    if not isinstance(scene, (str, PathLike)):
+        raise SceneFileError(f"scene = {scene!r}: must be the name of a packaged scene, or a path")
+    if options is not None and not isinstance(options, Mapping):
+        raise SceneFileError(
+            f"scene '{scene}': options = {options!r}: must be a dictionary of values by name"
+        )
     text = str(scene)
     chosen = {name: option_text(value) for name, value in (options or {}).items()}
     if text.endswith(".json"):

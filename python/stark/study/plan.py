@@ -57,6 +57,11 @@ class Plan:
     limits: Limits = field(default_factory=Limits)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.samples, list) or type(self.repetitions) is not int:
+            raise PlanError(
+                f"plan: samples = {shown_value(self.samples)}, repetitions = "
+                f"{shown_value(self.repetitions)}: must be a list of options and a whole number"
+            )
         count = len(self.samples) * self.repetitions
         if not 1 <= count <= LARGEST_STUDY:
             raise PlanError(

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from .._core import InvalidArgument
-from ..arguments import given_path
+from ..arguments import given_path, given_word
 from ..array_file import naming, write_atomically
 from ..files import LONGEST_LINE, open_regular
 from .given import given_numbers
@@ -61,6 +61,7 @@ class TelemetryError(InvalidArgument):
 def unit_of(name: str) -> str:
     """Unit of a series; ``energy.kinetic`` has the unit of its group ``energy``, and names of the user may
     end with one, ``measured.grip [N]``. Unknown names are dimensionless."""
+    name = given_word(name, "telemetry: the name of a series")
     if name.startswith("measured.") and name.endswith("]") and "[" in name:
         return name[name.rindex("[") + 1 : -1]
     return SERIES.get(name) or SERIES.get(name.split(".", 1)[0], "1")

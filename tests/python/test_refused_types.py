@@ -1,0 +1,109 @@
+"""Values of other types in functions of all parts of the package: refused by name. They raised TypeError,
+ValueError, AttributeError, OverflowError or OSError from inside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stark
+import stark.calibration
+import stark.exports
+import stark.gym
+import stark.recording
+import stark.render
+import stark.replay
+import stark.scenes
+import stark.study
+
+ARRAY = np.zeros(2)
+HUGE = 10**400
+
+
+@pytest.fixture(scope="module")
+def sim() -> stark.Simulation:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0, name="tool")
+    scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=2), position=(0, 0, 1), name="sheet")
+    return stark.Simulation(scene, time_step=0.01)
+
+
+@pytest.fixture(scope="module")
+def recording(sim: stark.Simulation, tmp_path_factory: pytest.TempPathFactory) -> stark.recording.Recording:
+    folder = tmp_path_factory.mktemp("recordings") / "run"
+    with stark.recording.Recorder(folder, sim, fields=["speed"]) as recorder:
+        recorder.record(sim)
+    return stark.recording.Recording(folder)
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda sim: sim.scene.disable_overlapping(3), "bodies = 3: must be a list of bodies"),
+        (lambda sim: sim.scene.disable_overlapping("tool"), "bodies = 'tool': must be a list of bodies"),
+        (lambda sim: sim.scene.disable_overlapping(sim["tool"]), "bodies = .*: must be a list of bodies"),
+        (lambda sim: sim["sheet"].vertices[[[1, 2], [3]]], r"the index = .*: must be an array, with rows of"),
+        (lambda sim: sim.contacts.vertex_forces(-1), "count = -1: must be the number of vertices"),
+        (lambda sim: sim.contacts.vertex_forces(2.5), "count = 2.5: must be the number of vertices"),
+        (lambda sim: sim.contacts.vertex_forces(HUGE), "count = 1000.*: must be the number of vertices"),
+        (lambda sim: sim.settings.update(3), "3: must be a dictionary of settings by name"),
+        (lambda sim: sim.settings.update(ARRAY), "must be a dictionary of settings by name"),
+        (lambda sim: sim.settings.set_text(3), "3: must have the form name=value"),
+        (lambda sim: stark.Settings().update("time.step"), "must be a dictionary of settings by name"),
+        (lambda sim: stark.Settings().update({3: 1}), "3: must be the name of a setting"),
+        (lambda sim: stark.Settings()[3], "3: must be the name of a setting"),
+        (lambda sim: sim.settings.__setitem__(None, 1), "None: must be the name of a setting"),
+        (lambda sim: stark.materials.cotton.replace(name=ARRAY), "ShellMaterial: name = .*must be a text"),
+        (lambda sim: sim.scene.add_symmetry(sim["sheet"].vertices, HUGE), "normal = 1000.*: must be 'x'"),
+        (lambda sim: stark.render.render(sim, quality=[1]), r"quality \[1\] is unknown"),
+        (lambda sim: stark.render.render(sim, width=[1]), r"size \[1\] x .*: each must be in"),
+        (lambda sim: stark.render.scene_bounds(), "got no frames: must be at least one"),
+        (lambda sim: stark.render.auto_camera((0, 0, 1)), "bounds = .*: must be those of scene_bounds"),
+        (
+            lambda sim: stark.render.auto_camera(stark.render.scene_bounds(sim), view=[1]),
+            r"view \[1\] is unk",
+        ),
+        (lambda sim: stark.render.tensor_values(sim, ARRAY), "is unknown: must be one of"),
+        (lambda sim: stark.gym.SceneEnv("drop", render_mode=ARRAY), "render_mode = .*: must be None or"),
+        (lambda sim: stark.gym.SceneEnv("drop", settings=[1]), r"settings = \[1\]: must be a dictionary"),
+        (lambda sim: stark.scenes.load("drop", options="size"), "options = 'size': must be a dictionary"),
+        (lambda sim: stark.scenes.load(3), "scene = 3: must be the name of a packaged scene, or a path"),
+        (lambda sim: stark.study.Plan("drop", 3), "samples = 3, repetitions = 1: must be a list of options"),
+        (lambda sim: stark.study.Plan("drop", [{}], repetitions="a"), "repetitions = 'a': must be a list"),
+        (lambda sim: stark.calibration.fit(ARRAY, []), "fit: law = .*must be a law or a material"),
+        (lambda sim: stark.recording.Recording("x" * 300), "folder = .*in names of at most 255 bytes"),
+        (lambda sim: stark.recording.Recorder("run", sim, chunk_frames="a"), "chunk_frames = 'a': must be a"),
+    ],
+)
+def test_of_simulations(sim: stark.Simulation, call: Callable[[Any], object], text: str) -> None:
+    with pytest.raises(stark.InvalidArgument, match=text):
+        call(sim)
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda run: run.nearest([0.1]), r"time = \[0.1\]: must be a number"),
+        (lambda run: run.beyond({}), "time = {}: must be a number"),
+        (lambda run: run.still("end"), "time = 'end': must be a number"),
+        (lambda run: run.body_index(ARRAY), "has no body .*; it has: tool, sheet"),
+        (lambda run: run.positions(None, 0), "has no body None; it has: tool, sheet"),
+        (lambda run: run.field(ARRAY, 0), "field: name = .*: must be a text"),
+        (lambda run: run.telemetry.unit({}), "the name of a series = {}: must be a text"),
+        (lambda run: stark.exports.export_recording(str(run.folder), "files"), "must be a stark.recording.R"),
+        (lambda run: stark.exports.export_recording(run, "files", ARRAY), "format .* is unknown"),
+        (lambda run: stark.replay.encode(str(run.folder)), "must be a stark.recording.Recording"),
+        (lambda run: stark.replay.encode(run, stride=[1]), r"stride = \[1\]; must be at least 1, and whole"),
+        (lambda run: stark.replay.encode(run, max_megabytes="a"), "max_megabytes = 'a': must be a number"),
+        (lambda run: stark.replay.write_page(run, overlay="run"), "overlay: recording = 'run': must be a st"),
+    ],
+)
+def test_of_recordings(
+    recording: stark.recording.Recording, call: Callable[[Any], object], text: str, tmp_path: Path
+) -> None:
+    with pytest.raises(stark.InvalidArgument, match=text):
+        call(recording)
