@@ -218,7 +218,7 @@ def bending(
     Of shells moment is per width [N], that of ``flexural_rigidity``: of a strip that stays flat across, as
     wide ones and those of Kawabata's tester do, or of a ``narrow`` one that curves across freely. Of rods
     it is [N m] about ``axis`` 1 or 2 of the section, with no axial force."""
-    if axis not in (1, 2):
+    if not isinstance(axis, (int, np.integer)) or axis not in (1, 2):
         raise InvalidArgument(f"curves.{name}: axis = {axis!r}: must be 1 or 2")
     is_narrow = given_flag(narrow, f"curves.{name}: narrow")
     curve = _curve("bending", {"curvature": curvature}, {"moment": moment}, None, 1, sigma, name)

@@ -12,6 +12,7 @@ import pytest
 
 import stark
 import stark.calibration
+import stark.curves
 import stark.exports
 import stark.gym
 import stark.recording
@@ -19,6 +20,8 @@ import stark.render
 import stark.replay
 import stark.scenes
 import stark.study
+import stark.telemetry
+import stark.verify
 
 ARRAY = np.zeros(2)
 HUGE = 10**400
@@ -68,6 +71,10 @@ def recording(sim: stark.Simulation, tmp_path_factory: pytest.TempPathFactory) -
             r"view \[1\] is unk",
         ),
         (lambda sim: stark.render.tensor_values(sim, ARRAY), "is unknown: must be one of"),
+        (lambda sim: stark.render.field_values(3, "speed"), "field_values: sim = 3: must be a stark.Sim"),
+        (lambda sim: stark.exports.Exporter("a.usd", sim, fields=3), "fields = 3: must be several names"),
+        (lambda sim: stark.exports.Exporter("a.usd", sim, fields=[[1]]), r"fields = \[\[1\]\]: must be sev"),
+        (lambda sim: stark.curves.bending([0, 1], axis=ARRAY), "axis = .*: must be 1 or 2"),
         (lambda sim: stark.gym.SceneEnv("drop", render_mode=ARRAY), "render_mode = .*: must be None or"),
         (lambda sim: stark.gym.SceneEnv("drop", settings=[1]), r"settings = \[1\]: must be a dictionary"),
         (lambda sim: stark.scenes.load("drop", options="size"), "options = 'size': must be a dictionary"),
@@ -94,6 +101,12 @@ def test_of_simulations(sim: stark.Simulation, call: Callable[[Any], object], te
         (lambda run: run.positions(None, 0), "has no body None; it has: tool, sheet"),
         (lambda run: run.field(ARRAY, 0), "field: name = .*: must be a text"),
         (lambda run: run.telemetry.unit({}), "the name of a series = {}: must be a text"),
+        (
+            lambda run: stark.render.render(run),
+            r"is a recording: must be a simulation, or a frame: recording\.fr",
+        ),
+        (lambda run: stark.render.scene_bounds(run), "is a recording: must be a simulation, or a frame"),
+        (lambda run: stark.telemetry.Telemetry.read(ARRAY), "telemetry: path = .*: must be a path"),
         (lambda run: stark.exports.export_recording(str(run.folder), "files"), "must be a stark.recording.R"),
         (lambda run: stark.exports.export_recording(run, "files", ARRAY), "format .* is unknown"),
         (lambda run: stark.replay.encode(str(run.folder)), "must be a stark.recording.Recording"),
@@ -107,3 +120,9 @@ def test_of_recordings(
 ) -> None:
     with pytest.raises(stark.InvalidArgument, match=text):
         call(recording)
+
+
+def test_paths_that_no_file_has() -> None:
+    """``stark.verify`` stands alone, with an exception of its own."""
+    with pytest.raises(ValueError, match=r"verify: folder = .*: must be a path"):
+        stark.verify.verify("x" * 300)

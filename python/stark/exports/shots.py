@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -61,6 +61,8 @@ def check_fields(names: Sequence[str], *, live: bool, recorded: Sequence[str] = 
     ``recorded``."""
     if isinstance(names, str):
         raise InvalidArgument(f"export: fields = '{names}': must be several names: ('{names}',)")
+    if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
+        raise InvalidArgument(f"export: fields = {names!r}: must be several names, such as ('speed',)")
     for name in names:
         if name in recorded:
             continue

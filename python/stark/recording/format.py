@@ -109,4 +109,8 @@ def drawn(source: Any) -> list[Any]:
     """Bodies of a simulation or a frame, and the layers of bodies that are to be seen."""
     if not hasattr(source, "bodies"):
         raise RecordingError(f"sim = {source!r}: must be a stark.Simulation")
+    if hasattr(source, "telemetry"):
+        raise RecordingError(
+            f"{source!r} is a recording: must be a simulation, or a frame: recording.frame(-1)"
+        )
     return [*source.bodies, *(layer for layer in getattr(source, "layers", ()) if layer._is_drawn())]

@@ -11,7 +11,7 @@ from stark.bodies.contact_pressures import pressures_of
 from stark.body_kinds import has_pose, names_of, row_of
 
 from .._core import InvalidArgument
-from ..arguments import real_array
+from ..arguments import real_array, shown_value
 from .choosing import matching
 from .deformation import Deformation, at_body, in_material, of_body
 
@@ -55,6 +55,8 @@ def field_values(sim: Any, name: str, bodies: Any = None) -> dict[str, np.ndarra
     Raises InvalidArgument for fields that are unknown, and for the stress of rods that yield or have a law of
     their own."""
     kind = _known(name)
+    if not hasattr(sim, "bodies"):
+        raise InvalidArgument(f"field_values: sim = {shown_value(sim)}: must be a stark.Simulation")
     every = list(sim.bodies)
     indices = range(len(every)) if bodies is None else matching(bodies, [b.name for b in every], "bodies")
     chosen = [every[i] for i in indices if every[i].kind in kind.kinds]

@@ -243,7 +243,7 @@ class Telemetry:
     @classmethod
     def read(cls, path: str | os.PathLike[str], *, tolerate_cut_line: bool = False) -> Telemetry:
         """Reads a JSONL file; ``tolerate_cut_line`` leaves out an unfinished last line (a killed run)."""
-        path = Path(path)
+        path = given_path(path, "telemetry: path")
         rows: list[dict[str, Any]] = []
         keys: dict[str, str] = {}
         try:

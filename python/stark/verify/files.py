@@ -22,6 +22,7 @@ LARGEST_JSON = 1 << 28  # bytes
 LONGEST_LINE = 1 << 24  # bytes
 #: Characters of what is said of damage.
 _LONGEST = 300
+_LONGEST_NAME = 255  # of one file or folder [bytes]
 _LONGEST_HEADER = 4096  # bytes
 _MAGIC = b"\x93NUMPY\x01\x00"
 
@@ -40,6 +41,7 @@ def as_path(value: Any, what: str) -> Path:
     try:
         text = os.fspath(value)
         usable = isinstance(text, str) and bool(text) and b"\0" not in os.fsencode(text)
+        usable = usable and all(len(name) <= _LONGEST_NAME for name in os.fsencode(text).split(b"/"))
     except (TypeError, UnicodeEncodeError):
         usable = False
     need(usable, f"{what} = {value!r}: must be a path: a non-empty text or a pathlib.Path")
