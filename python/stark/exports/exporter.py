@@ -26,6 +26,7 @@ FORMATS = ("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "pc2", "parquet", "mcap"
 _PLAIN = ("ply", "obj")
 #: The numbers of every step.
 _SERIES = ("parquet", "mcap")
+_WITHOUT_FIELDS = (*_PLAIN, *_SERIES, "pc2")
 _BY_SUFFIX = {
     ".usd": "usd",
     ".usda": "usd",
@@ -74,7 +75,9 @@ class Exporter:
         file = resolved(given_path(path, "export: path"))
         self.path: Path = file
         self._camera = Camera(check_fields(fields, live=hasattr(sim, "contacts")))
-        self._writer: Writer | None = _writer(file, _format_of(file), _rate(fps))
+        format = _format_of(file)
+        _refuse_fields(fields, format)
+        self._writer: Writer | None = _writer(file, format, _rate(fps))
         self._count, self._last = 0, -float("inf")
 
     def record(self, sim: Any) -> None:
@@ -126,13 +129,18 @@ def export_recording(
 ) -> list[Path]:
     """Writes frames of a recording (all if left out) into ``folder`` and returns the files. ``fields`` are
     displacement and velocity, which positions give, and those that were recorded; all of them if left out.
-    PLY and OBJ have none. "parquet" and "mcap" are the
+    PLY, OBJ and PC2 have none. "parquet" and "mcap" are the
     numbers of every step. ``progress(done, total)`` is called after each frame. Raises RecordingError for
     unknown formats and empty recordings."""
     given_recording(recording, "export_recording")
     if not isinstance(format, str) or format not in FORMATS:
         swapped = "; the folder comes first" if isinstance(folder, str) and folder in FORMATS else ""
         raise RecordingError(f"format '{format}' is unknown; choose one of {', '.join(FORMATS)}{swapped}")
+    _refuse_fields(fields, format)
+    if frames is not None and format in _SERIES:
+        raise RecordingError(
+            f"export: frames are given, and '{format}' has the numbers of every step: leave them out"
+        )
     chosen = list(range(len(recording)) if frames is None else frames)
     if format in _PLAIN:
         return export(recording, folder, format, frames=chosen)
@@ -186,6 +194,13 @@ def _format_of(path: Path) -> str:
     if path.suffix.lower() not in _BY_SUFFIX:
         raise InvalidArgument(f"export '{path}': its suffix must be one of {', '.join(_BY_SUFFIX)}")
     return _BY_SUFFIX[path.suffix.lower()]
+
+
+def _refuse_fields(fields: Sequence[str] | None, format: str) -> None:
+    if format in _WITHOUT_FIELDS and fields is not None and list(fields) != []:
+        raise InvalidArgument(
+            f"export: fields = {fields!r}: '{format}' has none: leave them out, or choose usd or vtkhdf"
+        )
 
 
 def _rate(fps: float) -> float:

@@ -85,6 +85,12 @@ def render(
         raise InvalidArgument(
             f"size {shown_value(width)} x {shown_value(height)} px: each must be in [1, 16384], and whole"
         )
+    for what, given in (("limits", limits), ("label", label)):
+        if field is None and given is not None:
+            raise InvalidArgument(
+                f"{what} = {shown_value(given)}: is of the scale of a field: must come with field=, such as "
+                f"'stress'"
+            )
     everything = drawn(source)
     names = [str(body.name) for body in everything]
     kept = kept_of(names, bodies, hide)
