@@ -1,8 +1,8 @@
-"""Loads on what does not move by forces: what is said of them."""
+"""Loads and actuators on what does not move by forces: what is said of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,29 @@ def idle_load_warnings(energies: Iterable[Any]) -> list[str]:
                 f"moves freely; add the body with motion='dynamic', or choose points that are not pinned"
             )
     return found
+
+
+def idle_actuator_warnings(core: Any, actuators: Iterable[Any]) -> list[str]:
+    """One for each actuator, springs among them, all of whose joints are between prescribed bodies or one of
+    them and the world."""
+    found = []
+    for actuator in actuators:
+        sides = [joint._given[side] for joint, _ in actuator.coordinates for side in "ab"]
+        if not all(_is_prescribed(core, side) for side in sides):
+            continue
+        bodies = dict.fromkeys(side["body"] for side in sides if side["carrier"] == "body")
+        what = ", ".join(f"'{core.name(body)}' is {core.motion(body)}" for body in bodies)
+        found.append(
+            f"actuator '{actuator.name}' moves nothing: {what}: must act between bodies of which at least "
+            f"one moves freely; add it with motion='dynamic'"
+        )
+    return found
+
+
+def _is_prescribed(core: Any, side: Mapping[str, Any]) -> bool:
+    if side["carrier"] == "body":
+        return str(core.motion(side["body"])) != "dynamic"
+    return str(side["carrier"]) == "world"
 
 
 def _held(column: Any) -> str | None:

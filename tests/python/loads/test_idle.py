@@ -37,6 +37,23 @@ def test_forces_on_pinned_points_alone() -> None:
     assert not any("'edge'" in str(warning.message) for warning in said)
 
 
+@pytest.mark.parametrize("motion", ["fixed", "scripted"])
+def test_actuators_between_prescribed_bodies(motion: str) -> None:
+    scene = stark.Scene()
+    anvil = scene.add_box(0.1, motion="fixed", name="anvil")
+    wheel = scene.add_box(0.1, motion=motion, position=(1, 0, 0), name="wheel")
+    free = scene.add_box(0.1, mass=1.0, position=(2, 0, 0), name="free")
+    hinge = scene.add_hinge(anvil, wheel, anchor=(0.5, 0, 0), axis=(0, 0, 1))
+    hinge.add_motor(target=1.0, cap=1.0, delta=0.1, name="idle motor")
+    scene.add_hinge(None, free, anchor=(2, 0, 0), axis=(0, 0, 1)).add_motor(
+        target=1.0, cap=1.0, delta=0.1, name="motor"
+    )
+    rule = rf"actuator 'idle motor' moves nothing: 'anvil' is fixed, 'wheel' is {motion}: must act between"
+    with pytest.warns(stark.StarkWarning, match=rule) as said:
+        stark.Simulation(scene, time_step=0.01)
+    assert not any("'motor'" in str(warning.message) for warning in said)
+
+
 def test_loads_on_what_moves_are_silent() -> None:
     scene = stark.Scene()
     box = scene.add_box(0.1, mass=1.0)
