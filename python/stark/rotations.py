@@ -23,6 +23,7 @@ LARGEST = 1e150
 overflow beyond."""
 
 _WHOLE_RADIANS = 25
+_NO_ANGLE = 1e9  # whole numbers from here on are mistakes of another kind
 """Four turns: an integer beyond is probably of degrees. A rate times a time is a float."""
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -74,7 +75,7 @@ def check_places(places: NDArray[np.float64], name: str, unit: str = "m") -> Non
 
 def warn_of_degrees(what: str, angle: object) -> None:
     """Of a whole number beyond four turns."""
-    if not isinstance(angle, (int, np.integer)) or abs(int(angle)) <= _WHOLE_RADIANS:
+    if not isinstance(angle, (int, np.integer)) or not _WHOLE_RADIANS < abs(int(angle)) < _NO_ANGLE:
         return
     warn(
         f"{what} = {angle} rad is {int(angle) / math.tau:.1f} turns: angles are in radians; "

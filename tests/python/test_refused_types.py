@@ -135,3 +135,12 @@ def test_paths_that_no_file_has() -> None:
     """``stark.verify`` stands alone, with an exception of its own."""
     with pytest.raises(ValueError, match=r"verify: folder = .*: must be a path"):
         stark.verify.verify("x" * 300)
+
+
+def test_targets_that_no_float_holds() -> None:
+    """The question whether degrees are meant overflowed."""
+    scene = stark.Scene()
+    hinge = scene.add_hinge(None, scene.add_box(0.1, mass=1.0), anchor=(0, 0, 0), axis=(0, 0, 1))
+    with pytest.raises(stark.InvalidArgument, match="target = 1000"):
+        hinge.add_servo(target=HUGE, stiffness=1.0, damping=1.0, cap=1.0)
+    assert len(scene.actuators) == 0
