@@ -58,6 +58,8 @@ class _Parser(argparse.ArgumentParser):
         for verb in self._verbs().values():
             known += verb._option_string_actions
         words = message.replace("argument VERB: invalid choice: ", "unrecognized arguments: ")
+        if words.startswith("unrecognized arguments:") and not words.partition(":")[2].strip():
+            message = words = "an argument is empty"  # a variable of the shell that is not set, say
         word = words.removeprefix("unrecognized arguments: ").split()[0]
         wrong = word.partition("=")[0].strip("'")
         near = difflib.get_close_matches(wrong, known, n=1) if words.startswith("unrecognized") else []

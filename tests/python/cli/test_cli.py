@@ -59,6 +59,7 @@ def test_wrong_usage(words, capsys) -> None:
             "unrecognized arguments: --untill 1; did you mean '--until'?",
         ),
         (("still", "out", "--camra=1,2,3"), "did you mean '--camera'?"),
+        (("still", "out", "--contacts", ""), "an argument is empty"),
         (("run", "drop", "mass=2"), "unrecognized arguments: mass=2; did you mean '--option mass=2'?"),
     ],
 )
