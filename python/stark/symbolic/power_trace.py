@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from stark._core import TraceError
+from stark.arguments import shown_value
 from stark.symbolic.functions import held, mark_stage, where
 from stark.symbolic.linear_algebra import invariants
 from stark.symbolic.tensor import Scalar, vec
@@ -36,9 +37,11 @@ def power_trace(a: object, exponent: float) -> Scalar:
             f"power_trace: exponent = {exponent!r}: must be a fixed number, as the terms of the formula "
             f"depend on it; define the law for each, in a function of the exponent"
         )
+    if not abs(exponent) <= _LARGEST:
+        raise TraceError(
+            f"power_trace: exponent = {shown_value(exponent)}: must be in [-{_LARGEST:g}, {_LARGEST:g}]"
+        )
     power = float(exponent)
-    if not abs(power) <= _LARGEST:
-        raise TraceError(f"power_trace: exponent = {power:g}: must be in [-{_LARGEST:g}, {_LARGEST:g}]")
     given = invariants(a)
     size = len(given)
     if power < 0.0:  # of the inverse

@@ -89,7 +89,7 @@ class Tensor:
     def __getitem__(self, key: Any) -> Any:
         try:
             places = np.arange(self.size).reshape(self.shape)[key]
-        except (IndexError, OverflowError) as error:
+        except (IndexError, OverflowError, ValueError) as error:
             raise TraceIndexError(
                 f"index {shown_value(key)} of {describe(self)}: {error}; the first is 0"
             ) from None

@@ -96,6 +96,8 @@ def test_kinds_of_inputs_that_do_not_exist() -> None:
         (lambda x: sym.columns(None), stark.TraceError, "columns: got NoneType: must be a list"),
         (lambda x: sym.identity(2.5), stark.TraceError, "identity: n = 2.5: must be a number of rows"),
         (lambda x: sym.identity(0), stark.TraceError, "identity: n = 0: must be a number of rows"),
+        (lambda x: sym.vec(x, x)[[[0, 1], [1]]], IndexError, "of Vec of 2: .*; the first is 0"),
+        (lambda x: sym.power_trace(sym.mat([[x, 0], [0, x]]), 10**400), stark.TraceError, "exponent = 1000"),
         (lambda x: sym.vec(x, x)[np.uint64(2**63)], IndexError, "of Vec of 2: .*; the first is 0"),
     ],
 )
