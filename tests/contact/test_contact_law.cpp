@@ -142,6 +142,32 @@ TEST_CASE(
   CHECK(sheets.law.end_step(again, forces, 1.0).bodies.empty());
 }
 
+TEST_CASE("a sheet that two bodies press on each other through gets stiffer until it carries them alone") {
+  // Three sheets of which the first counts as one between the other two.
+  ContactLaw law({}, {{100.0}, {100.0}, {100.0}}, {0.01, 0.02, 0.02});
+  const double natural = 1.0, own = 0.04 / (0.04 + 0.02), gap = own + 0.1;
+  const auto contact = [&](int32_t a, int32_t b) {
+    Contact c;
+    c.group_a = a;
+    c.group_b = b;
+    c.contact_distance = 0.03;
+    c.stiffness = natural;
+    return c;
+  };
+  const std::vector<Contact> contacts{contact(0, 1), contact(0, 2), contact(1, 2)};
+  const double force = 0.03 * natural * barrier_slope(0.5);
+  const std::vector<Vec3> forces{{0, 0, force}, {0, 0, -force}, {0, 0, 3.0 * force}};
+  const std::vector<PressedSheet> pressed{{0, 1, 2}};
+  law.begin_step();
+  CHECK(law.end_step(contacts, forces, 100.0).find(group_code(0, 1)) == 1.0);
+  const LoadMemory memory = law.end_step(contacts, forces, 100.0, pressed);
+  // The first trial reaches what is asked for: all of the force at the wider gap.
+  const double asked = 4.0 * barrier_slope(0.5) / barrier_slope(gap);
+  CHECK(memory.find(group_code(0, 1)) == doctest::Approx(asked).epsilon(0.01));
+  CHECK(memory.find(group_code(0, 2)) == doctest::Approx(asked).epsilon(0.01));
+  CHECK(memory.find(group_code(1, 2)) == 1.0);
+}
+
 TEST_CASE("a layer that an impact has spent is raised to what is asked of it as it is left") {
   Sheets sheets({{100.0}, {100.0}});
   const int64_t code = group_code(0, 1);

@@ -15,6 +15,10 @@ constexpr double kMiddleSlope = std::numbers::ln2 + 0.5;
 /// Part of the contact distance at which the largest lasting pressure is carried.
 constexpr double kLoadedGap = 0.1;
 
+/// Part of the contact distance by which a sheet keeps two bodies farther apart than they act on each other,
+/// and the largest part of it at which it is asked to carry them.
+constexpr double kClearOfEachOther = 0.1, kWidestGap = 0.9;
+
 /// Cosine of the angle between a contact and the impact that has spent the layer, down to which it is of it.
 constexpr double kFacing = 0.5;
 
@@ -147,11 +151,38 @@ bool ContactLaw::relieve(const std::vector<Contact>& contacts, std::span<const V
   });
 }
 
+std::map<int64_t, double> ContactLaw::sheet_factors(const std::vector<Contact>& contacts,
+                                                    std::span<const Vec3> forces,
+                                                    std::span<const PressedSheet> sheets) const {
+  std::map<int64_t, double> total, factors;  // forces of bodies on each other [N]
+  if (sheets.empty()) return factors;
+  for (size_t c = 0; c < contacts.size(); ++c)
+    if (contacts[c].stiffness > 0.0) total[group_code(contacts[c])] += norm(forces[c]);
+  for (const auto& [sheet, a, b] : sheets) {
+    if (std::isinf(bodies_[a].pressure) && std::isinf(bodies_[b].pressure)) continue;
+    // The bodies touch each other where both gaps to the sheet add up to their own contact distance.
+    const double own = distance_[a] + distance_[b];
+    const double gap = std::min(own / (own + 2.0 * distance_[sheet]) + kClearOfEachOther, kWidestGap);
+    if (gap <= kLoadedGap) continue;
+    const double wider = barrier_slope(kLoadedGap) / barrier_slope(gap);
+    const double through = total[group_code(a, b)];
+    for (const int32_t body : {a, b}) {
+      const double force = total[group_code(sheet, body)];
+      double& factor = factors[group_code(sheet, body)];
+      if (force > 0.0) factor = std::max(factor, wider * (1.0 + through / force));
+    }
+  }
+  return factors;
+}
+
 LoadMemory ContactLaw::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                                double duration) const {
+                                double duration, std::span<const PressedSheet> sheets) const {
   LoadMemory memory;
   const auto count = static_cast<int64_t>(bodies_.size());
-  for (const auto& [bodies, asked] : wanted(contacts, forces, false)) {
+  const std::map<int64_t, double> of_sheets = sheet_factors(contacts, forces, sheets);
+  for (auto [bodies, asked] : wanted(contacts, forces, false)) {
+    if (const auto of_sheet = of_sheets.find(bodies); of_sheet != of_sheets.end())
+      asked *= std::max(1.0, of_sheet->second);
     const int64_t a = bodies >> 32, b = bodies & 0xffffffff;
     const bool exists = a >= 0 && a < count && b < count;  // states may name any
     if (exists && !is_given(static_cast<int32_t>(a), static_cast<int32_t>(b)))

@@ -20,6 +20,7 @@
 #include <stark/contact/contact_relief.h>
 #include <stark/contact/contact_set.h>
 #include <stark/contact/load_memory.h>
+#include <stark/contact/pressed_sheets.h>
 
 namespace stark {
 
@@ -68,9 +69,10 @@ class ContactLaw {
   }
 
   /// What the loads at the end of a step ask of the next one. forces: on side A of each contact [N];
-  /// duration: of the step, over the delay with which factors follow.
+  /// duration: of the step, over the delay with which factors follow. Sheets between two bodies keep them
+  /// apart as far as their own layers reach.
   LoadMemory end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                      double duration = 1.0) const;
+                      double duration = 1.0, std::span<const PressedSheet> sheets = {}) const;
 
   /// The factors of this step, raised to what contacts ask that were met on the way of a step which failed:
   /// an impact that presses a contact to a gap where Newton's method finds nothing any more. end_step()
@@ -90,6 +92,10 @@ class ContactLaw {
   /// layer that an impact has spent as it is left, or as it was.
   std::map<int64_t, double> wanted(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                                    bool as_left) const;
+  /// By how much more stiffness both contacts of a sheet need than wanted() says, so that the bodies do not
+  /// press on each other through it. [theory eq. 18d]
+  std::map<int64_t, double> sheet_factors(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                                          std::span<const PressedSheet> sheets) const;
   /// Factor of the stiffness of contact between two bodies, beside what an impact has spent.
   double factor(int64_t bodies) const { return memory_.find(bodies) * relief_.factor(bodies); }
   /// Part of its stiffness that an impact has left a contact.

@@ -184,7 +184,8 @@ ContactMemory ContactPipeline::end_step(const SitePositions& positions, double d
   ++revision_;
   settle(positions);
   std::vector<Vec3> all = forces(x);
-  LoadMemory load = law_.end_step(contacts(), all, duration);
+  LoadMemory load =
+      law_.end_step(contacts(), all, duration, find_pressed_sheets(law_.areas(), contacts(), all));
   RestitutionMemory restitution = restitution_.end_step(contacts(), all, x, motion);
   friction_residual_ = 0.0;
   unsettled_friction_.reset();

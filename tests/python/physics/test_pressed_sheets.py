@@ -31,11 +31,9 @@ def share_of_the_grip(force: float, cloth: dict[str, Any], finger: dict[str, Any
     return float(np.mean(pulls[-8:])) / (2.0 * mu * force)
 
 
-@pytest.mark.parametrize(("force", "share"), [(1.0, 0.97), (5.0, 0.23), (20.0, 0.07)])
-def test_fingers_press_on_each_other_through_a_soft_sheet_as_the_guide_says(
-    force: float, share: float
-) -> None:
-    assert share_of_the_grip(force, {}, {}) == pytest.approx(share, abs=0.04)
+@pytest.mark.parametrize("force", [1.0, 5.0, 20.0])
+def test_a_soft_sheet_gets_the_grip_soon(force: float) -> None:
+    assert share_of_the_grip(force, {}, {}) == pytest.approx(1.0, abs=0.03)
 
 
 @pytest.mark.parametrize("force", [1.0, 5.0, 20.0])
@@ -43,5 +41,23 @@ def test_a_sheet_stiffer_than_the_pressure_gets_the_grip(force: float) -> None:
     assert share_of_the_grip(force, {"contact_stiffness": 1e4}, {}) == pytest.approx(1.0, abs=0.03)
 
 
-def test_a_sheet_thicker_than_what_presses_it_gets_most_of_the_grip() -> None:
-    assert share_of_the_grip(5.0, {}, {"contact_distance": 1e-4}) == pytest.approx(0.79, abs=0.05)
+def test_a_sheet_thicker_than_what_presses_it_gets_the_grip() -> None:
+    assert share_of_the_grip(5.0, {}, {"contact_distance": 1e-4}) == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_tablecloth_carries_a_mug_alone_soon() -> None:
+    scene = stark.Scene()
+    table = scene.add_box((0.5, 0.6, 0.04), motion="fixed", position=(0.0, 0.0, -0.02))
+    mesh = stark.mesh.grid(0.3, 0.3, cells=20)
+    cloth = scene.add_cloth(mesh, stark.materials.cotton, position=(0.0, 0.0, 2.1e-3))
+    mug = scene.add_cylinder(0.03, 0.08, mass=0.3, position=(-0.03, 0.0, 0.0442))
+    sim = stark.Simulation(scene, time_step=0.005)
+
+    def force_from(body: stark.BodyHandle) -> float:
+        return float(sim.contacts.of(mug, body).forces.sum(axis=0)[2]) / (0.3 * 9.81)
+
+    sim.run_until(0.1)
+    assert force_from(table) > 0.1  # the cloth has not got its stiffness yet
+    sim.run_until(0.8)
+    assert force_from(table) < 1e-3
+    assert force_from(cloth) == pytest.approx(1.0, abs=1e-3)
