@@ -248,6 +248,30 @@ TEST_CASE("energy is continuous where edges become parallel and where the closes
   CHECK(largest > 0.1);
 }
 
+TEST_CASE("the torque of nearly parallel edges goes to zero with their angle, without a jump") {
+  // The energy grows with the square of the angle. Pairs that are left out as parallel already at 1e-6 rad
+  // lose a torque a thousand times what Newton's method is to resolve.
+  Stencils s;
+  ContactSet set(contact_potentials().barriers, s.pool);
+  const auto energy_at = [&](double angle) {
+    const Vec3 b{std::cos(angle), std::sin(angle), 0};
+    s.x[0] = {-0.5, 0, 0};
+    s.x[1] = {0.5, 0, 0};
+    s.x[2] = b * -0.5 + Vec3{0.3, 0.01, 0.3};
+    s.x[3] = b * 0.5 + Vec3{0.3, 0.01, 0.3};
+    std::vector<Contact> contacts = s.find(only(PairKind::EdgeEdge, {{0, 1}}));
+    for (Contact& contact : contacts) contact.stiffness = 1.0;
+    merge_equal_stencils(s.x, contacts);
+    set.reset(contacts);
+    return set.evaluate_energies(s.x).empty() ? 0.0 : set.energies()[0];
+  };
+  const double curvature = energy_at(1e-4) / 1e-8;
+  CHECK(curvature > 0.0);
+  for (const double angle : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9})
+    CHECK(energy_at(angle) / (angle * angle) == doctest::Approx(curvature).epsilon(1e-3));
+  CHECK(energy_at(0.0) == 0.0);
+}
+
 TEST_CASE("contacts come in the order of the lists, whatever the number of threads") {
   Stencils s;
   RandomPoints random(4);

@@ -17,8 +17,10 @@ constexpr double kSamePlace = 1e-8;
 
 constexpr size_t kContactsPerTask = 512;
 
-/// Mollifier of a pair of edges below which it has no energy worth a stencil.
-constexpr double kParallel = 1e-9;
+/// Mollifier of a pair of edges below which it has no energy worth a stencil. Its torque goes with the square
+/// root: at 1e-9 some micronewtons appear and vanish where edges lie exactly above each other, as those of a
+/// gripper on a grid of cloth, which no step of Newton's method gets over.
+constexpr double kParallel = 1e-18;
 
 /// Sites of a closest feature, descending, -1 where there are fewer than three.
 using Feature = std::array<int32_t, 3>;
