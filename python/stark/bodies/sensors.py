@@ -105,7 +105,8 @@ class Contacts:
 
     def vertex_forces(self, count: int) -> Array:
         """Forces on the ``count`` vertices of the first body (count, 3) [N]; use after ``of()``."""
-        least = int(self.vertices.max(initial=-1)) + 1
+        own = np.arange(self.vertices.shape[1]) < self.first_counts[:, None]
+        least = int(self.vertices[own].max(initial=-1)) + 1
         if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or not least <= count <= _MOST:
             raise InvalidArgument(
                 f"contacts: vertex_forces: count = {shown_value(count)}: must be the number of vertices of "
