@@ -1,7 +1,6 @@
 #include <stark/contact/pressed_sheets.h>
 
 #include <algorithm>
-#include <optional>
 
 namespace stark {
 
@@ -10,18 +9,12 @@ namespace {
 /// Cosine of the angle between two forces from which they count as parallel.
 constexpr double kParallel = 0.5;
 
-/// A contact of a vertex: what it touches, how far away, and the force on it.
+/// What a vertex touches, how far away, and the force on it.
 struct Touch {
   int32_t group = 0;
   double distance = 0.0;  ///< [m]
   Vec3 force;             ///< [N]
 };
-
-/// That of a vertex of group `own`, which is side A, with another body.
-std::optional<Touch> touch_of(const Contact& contact, const Vec3& force) {
-  if (!(contact.stiffness > 0.0) || contact.group_a == contact.group_b) return {};
-  return Touch{contact.group_b, contact.distance, force};
-}
 
 /// Positive where they are parallel, negative where they are opposite, 0 where they are neither.
 int alignment(const Vec3& a, const Vec3& b) {
@@ -45,7 +38,8 @@ std::vector<PressedSheet> find_pressed_sheets(const AreaWeights& areas, std::spa
     if (key.kind != PairKind::PointTriangle) break;
     touches.clear();
     for (; c < contacts.size() && contacts[c].key.kind == key.kind && contacts[c].key.first == key.first; ++c)
-      if (const auto touch = touch_of(contacts[c], forces[c])) touches.push_back(*touch);
+      if (contacts[c].stiffness > 0.0 && contacts[c].group_b != own)
+        touches.push_back({contacts[c].group_b, contacts[c].distance, forces[c]});
     for (const Touch& one : touches) {
       for (const Touch& other : touches) {
         if (one.group == other.group) continue;

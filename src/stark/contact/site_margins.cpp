@@ -14,7 +14,7 @@ namespace {
 /// Sites between two looks at whether one has left its margin.
 constexpr int32_t kSitesPerLook = 512;
 
-constexpr int64_t kPiecesPerTask = 32;
+constexpr int64_t kPiecesPerTask = 32, kSitesPerTask = 8192;
 
 /// Half an edge of a cube over the radius of the ball around it, and a little less.
 constexpr double kCube = 0.577;
@@ -170,15 +170,16 @@ void SiteMargins::place_sites(const SitePlaces& base, std::span<const uint8_t> m
   std::vector<uint8_t> has_moved(out.bounds.size(), 0);
   const bool is_other = &out != &base && !base.x.empty();
   for (const Run& run : runs_) {
-    if (is_other) {
-      std::copy(base.x.begin() + run.begin, base.x.begin() + run.end, out.x.begin() + run.begin);
-      out.bounds[run.group] = base.bounds[run.group];
-    }
-    for (int32_t i = run.begin; i < run.end; ++i) {
-      if (marked[i] == 0) continue;
-      out.x[i] = x[i];
-      has_moved[run.group] = 1;
-    }
+    if (is_other) out.bounds[run.group] = base.bounds[run.group];
+    for_each_range(pool_, run.end - run.begin, kSitesPerTask, [&](int64_t first, int64_t last) {
+      for (int64_t i = run.begin + first; i < run.begin + last; ++i)
+        if (marked[i] != 0)
+          out.x[i] = x[i];
+        else if (is_other)
+          out.x[i] = base.x[i];
+    });
+    const std::span<const uint8_t> marks = marked.subspan(run.begin, run.end - run.begin);
+    has_moved[run.group] |= std::ranges::any_of(marks, [](uint8_t mark) { return mark != 0; });
   }
   for (size_t group = 0; group < out.bounds.size(); ++group)
     if (has_moved[group] != 0) out.bounds[group] = {};

@@ -16,10 +16,9 @@ namespace stark {
 
 /// Where sites are when their pairs are found.
 struct SitePlaces {
-  std::vector<Vec3> x{};         ///< of sites of surfaces [m]
-  std::vector<Bounds> bounds{};  ///< of them, by group
-  std::vector<uint64_t>
-      versions{};  ///< by what moves as one piece: where they are the same, so are its places
+  std::vector<Vec3> x{};             ///< of sites of surfaces [m]
+  std::vector<Bounds> bounds{};      ///< of them, by group
+  std::vector<uint64_t> versions{};  ///< by piece: places of the same one are the same
 };
 
 /// Margins are by group [m]. Of groups with a frame the corners of their box count, for all sites.

@@ -18,7 +18,7 @@ struct Verdict {
 std::string listed(const std::vector<std::string>& names);
 
 /// Size of an element, or length of an edge, over that at rest below which it is pressed flat.
-constexpr double kFlat = 1e-3;
+inline constexpr double kFlat = 1e-3;
 
 std::string element_text(const StrainedElement& element);
 
