@@ -72,6 +72,10 @@ class NamedList(list[Part], Generic[Part]):
         self._bind()
         return super().__contains__(part)
 
+    def __radd__(self, other: list[Any]) -> list[Any]:
+        # A plain list on the left would take the parts as they are.
+        return other + list(self)
+
 
 def _after_binding(name: str) -> Callable[..., Any]:
     plain = getattr(list, name)

@@ -119,6 +119,18 @@ def test_single_handles_are_made_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(joints) == 19 and len(sim.joints) == 20
 
 
+def test_handles_joined_to_a_plain_list_are_those_of_the_simulation() -> None:
+    _, sim = machine()
+    ball, first = object(), sim.bodies[0]
+    joined = [ball] + sim.bodies  # noqa: RUF005
+    assert type(joined) is list and joined[0] is ball and len(joined) == 1 + len(sim.bodies)
+    assert all(body._of is sim for body in joined[1:])
+    joined = [*[ball], *sim.bodies]
+    joined += sim.bodies
+    assert all(body._of is sim for body in joined[1:])
+    assert joined[1] == first
+
+
 def test_names_of_what_was_taken_out_again() -> None:
     scene = stark.Scene()
     box = scene.add_box(0.1, mass=1.0, name="box")
