@@ -106,12 +106,17 @@ def test_a_text_that_was_read_is_set_as_text() -> None:
 
 @pytest.mark.parametrize(
     "value",
-    [[[1, 2], [3]], [[0, 0, -1]], np.ones((1, 3)), (1, (2,), 3), b"abc", [True, False, True]],
+    [[[1, 2], [3]], [[0, 0, -1]], np.ones((1, 3)), (1, (2,), 3), b"abc", [True, False, True], np.array(2.0)],
 )
 def test_vectors_are_rows_of_three_numbers(value: object) -> None:
     """What is nested was taken number by number, bytes by their codes."""
     with pytest.raises(stark.InvalidSetting, match=r"gravity = .*: must be three numbers"):
         stark.Settings(gravity=value)  # type: ignore[arg-type]
+
+
+def test_arrays_without_axes_are_their_value() -> None:
+    settings = stark.Settings(time_step=np.array(0.01), threads=np.array(2))
+    assert settings.changed() == {"time.step": 0.01, "execution.threads": 2}
 
 
 @pytest.mark.parametrize("name", ["gravity", "threads", "time_step", "contact_distance", "time.step"])

@@ -195,6 +195,8 @@ def test_the_tool_runs_and_reports(tmp_path: Path) -> None:
         "settings",
         "--seconds",
         "0.1",
+        "--seed",
+        "1",
         "--out",
         str(tmp_path),
     ]
