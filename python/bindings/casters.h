@@ -44,12 +44,20 @@ inline std::string shown(nb::handle value) {
   return all.substr(0, end) + "...";
 }
 
+/// Whether the object is such an array as it is, which `result` then shares. Scalars of NumPy are none: the
+/// buffer of a date has no strides, where nanobind reads some.
+template <typename Array>
+bool is_such_array(nb::handle object, Array& result) {
+  if (nb::isinstance(object, nb::module_::import_("numpy").attr("generic"))) return false;
+  return nb::try_cast<Array>(object, result, false) && result.is_valid();
+}
+
 /// Converts any array-like object to Array, or throws InvalidArgument naming the argument,
 /// what came and what is needed. Fractions are never truncated to integers, nor wide integers to narrow ones.
 template <typename Array>
 Array array(nb::handle object, const std::string& name, const std::string& expected) {
   using T = std::remove_const_t<typename Array::Scalar>;
-  if (Array as_it_is; nb::try_cast<Array>(object, as_it_is, false) && as_it_is.is_valid()) return as_it_is;
+  if (Array as_it_is; is_such_array(object, as_it_is)) return as_it_is;
   const nb::module_ numpy = nb::module_::import_("numpy");
   std::string got = text(object.type().attr("__name__"));
   try {
@@ -66,7 +74,7 @@ Array array(nb::handle object, const std::string& name, const std::string& expec
       const bool exact =
           !std::is_integral_v<T> || nb::cast<bool>(numpy.attr("array_equal")(converted, values));
       Array result;
-      if (exact && nb::try_cast<Array>(converted, result, false) && result.is_valid()) return result;
+      if (exact && is_such_array(converted, result)) return result;
     }
   } catch (const nb::python_error& error) {
     if (!error.matches(PyExc_Exception)) throw;  // Ctrl-C

@@ -33,7 +33,7 @@ State state_of_arrays(const nb::dict& given) {
   for (const auto& [key, value] : given) {
     const std::string name = text(key);
     Any array;
-    if (!nb::try_cast<Any>(value, array, false) ||
+    if (!is_such_array(value, array) ||
         (array.dtype() != nb::dtype<double>() && array.dtype() != nb::dtype<int64_t>()))
       throw InvalidArgument("state: the field '" + name +
                             "' must be a contiguous array of the type float64 or int64");
