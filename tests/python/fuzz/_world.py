@@ -348,12 +348,13 @@ def pair(draw: Draw) -> Call:
 
 def pin(draw: Draw) -> Call:
     vertices, kind = draw.array(np.array([2, 3])), draw.integer(4)
-    motion, three = draw.value(0.1), draw.vector(0.0, 0.0, 0.1)
+    good = 0.1
+    motion, three = draw.value(good), draw.vector(0.0, 0.0, 0.1)
     targets = draw.array(np.zeros((2, 3)))
     calls: tuple[Call, ...] = (
         lambda w: w.cloth.pin(vertices),
         lambda w: w.rod.clamp(vertices),
-        lambda w: w.cloth.follow(targets) if motion == 0.1 else w.cloth.follow(motion),
+        lambda w: w.cloth.follow(targets if motion is good else motion),
         lambda w: w.lift.follow(three),
     )
     return calls[kind]
