@@ -122,7 +122,7 @@ def trace(
     while not reached(sim, end):
         scene_file.drive(sim)
         step = Trace()
-        report = sim._core.step(None, step, 0.0)
+        report = sim._step(None, step, period=0.0)
         if steps is None or report.step in steps:
             rows += step.rows
         if report.failed:

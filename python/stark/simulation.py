@@ -200,7 +200,9 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
             if report.failed:
                 raise StepFailed(report)
 
-    def _step(self, limit: float | None, progress: OnProgress | None) -> StepReport:
+    def _step(
+        self, limit: float | None, progress: OnProgress | None, period: float = PROGRESS_PERIOD
+    ) -> StepReport:
         self._warn_of_late_changes()
         self._warn_of_jumps()
         if self._scene._followers or self._scene._courses:
@@ -208,7 +210,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         for values in self._live_values:
             values.push(self._core)
         before, self._loaded, self._taken = self._core.state, None, None
-        report = self._core.step(limit, progress, PROGRESS_PERIOD)
+        report = self._core.step(limit, progress, period)
         pushed = [values.pushed() for values in self._live_values]
         self._taken = TakenStep(before, limit, report, pushed)
         return report
