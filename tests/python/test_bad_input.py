@@ -128,6 +128,12 @@ def simulate(scene: Any = None, *args: Any, **settings: Any) -> Any:
     return stark.Simulation(two_bodies() if scene is None else scene, *args, **settings)
 
 
+def late_step(length: float) -> None:
+    sim = simulate(lone_box(), time_step=0.01)
+    sim.step()
+    sim.step(max_time_step=length)
+
+
 @dataclass
 class Case:
     name: str
@@ -232,6 +238,8 @@ CASES = [
          ("crate", "linear_damping = -0.1 1/s", ">= 0")),
     Case("a date for a position", lambda: cloth(position=np.datetime64("2020-01-01")), InvalidArgument,
          ("sheet", "position", "2020-01-01", "three numbers")),
+    Case("a step below the rounding of the time", lambda: late_step(1e-18), InvalidArgument,
+         ("step", "1e-18 s", "0.01", "must be longer", "max_time_step")),
     Case("nan position", lambda: cloth(position=(0, NAN, 0)), InvalidArgument,
          ("cloth 'sheet'", "position = (0, nan, 0) m", "finite")),
     Case("position in the plane", lambda: cloth(position=(0, 1)), InvalidArgument, ("sheet", "position", "three numbers")),

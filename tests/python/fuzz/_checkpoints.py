@@ -99,7 +99,12 @@ def _load(draw: Draw, sim: stark.Simulation, path: Path, whole: bool) -> None:
             draw.trace[-1] += f" -> {report.message[:160]}"
             assert report.message
         else:
-            floats = (a for a in sim.state.arrays().values() if a.dtype.kind == "f")
+            # Infinity switches caps of actuators off.
+            arrays = {k: a for k, a in sim.state.arrays().items() if not k.startswith("actuator_")}
+            floats = (a for a in arrays.values() if a.dtype.kind == "f")
             assert all(np.isfinite(a).all() for a in floats)
+    except stark.InvalidArgument as error:  # a time at which steps or functions of time have no sense
+        draw.trace[-1] += f" -> {str(error)[:160]}"
+        assert not whole and sim.time > 1e6
     finally:
         sim.state = before

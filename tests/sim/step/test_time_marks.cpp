@@ -163,3 +163,13 @@ TEST_CASE("marks follow the step of the settings, and times that were set") {
   advance(state);
   CHECK(state.time == 7.504);
 }
+
+TEST_CASE("a step that the rounding of the time swallows is refused") {
+  State state = at_zero(0.01);
+  CHECK(plan_step(state, 1e-30, kNoLimit).length == 1e-30);
+  state.time = state.mark_origin = 1.0;
+  CHECK_THROWS_WITH_AS(plan_step(state, 1e-17, kNoLimit),
+                       doctest::Contains("its length of 1e-17 s is lost in the rounding of the time, 1 s"),
+                       InvalidArgument);
+  CHECK(plan_step(state, 1e-12, kNoLimit).end > 1.0);
+}

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include <stark/base/error.h>
+#include <stark/base/settings.h>
+
 namespace stark {
 
 namespace {
@@ -25,9 +28,7 @@ double way_to_next_mark(const State& state) {
   return state.time == last_mark(state) ? state.mark_step : next_mark(state) - state.time;
 }
 
-}  // namespace
-
-PlannedStep plan_step(const State& state, double limit, double turning) {
+PlannedStep plan(const State& state, double limit, double turning) {
   double way = way_to_next_mark(state);
   const bool is_limited = limit < way - rounding(state, way);
   if (is_limited) way = limit;
@@ -40,6 +41,17 @@ PlannedStep plan_step(const State& state, double limit, double turning) {
   // Equal bits for steps of equal length: the way between two times is rounded.
   if (!is_cut && std::fabs(length - longest) <= rounding(state, longest)) length = longest;
   return {length, end_of_step(state, length), is_cut};
+}
+
+}  // namespace
+
+PlannedStep plan_step(const State& state, double limit, double turning) {
+  const PlannedStep planned = plan(state, limit, turning);
+  if (!(planned.end > state.time))
+    throw InvalidArgument("step: its length of " + quantity_text(planned.length, "s") +
+                          " is lost in the rounding of the time, " + quantity_text(state.time, "s") +
+                          ": must be longer; check max_time_step, and the time of a state that was loaded");
+  return planned;
 }
 
 double end_of_step(const State& state, double h) {

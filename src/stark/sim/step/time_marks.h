@@ -18,7 +18,8 @@ struct PlannedStep {
 };
 
 /// The coming step: up to the next mark, in equal parts of at most state.time_step where it is shorter, or up
-/// to `limit` [s] from now; `turning` [s] is how long scripted bodies may turn in it.
+/// to `limit` [s] from now; `turning` [s] is how long scripted bodies may turn in it. Throws InvalidArgument
+/// where the time would not advance.
 PlannedStep plan_step(const State& state, double limit, double turning);
 
 /// Simulated time [s] at the end of a step of length h: the next mark, where h leads there up to rounding.
