@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -39,16 +41,31 @@ def read_mjcf(file: Path) -> RobotDescription:
     except ImportError as error:
         raise ImportError(f"'{file}': MJCF files need mujoco: pip install 'stark-sim[robots]'") from error
     report = Report(f"'{file}'")
-    with warnings.catch_warnings(record=True) as warned:
-        warnings.simplefilter("always")
+    with _collected_warnings(mujoco) as warned:
         try:
             spec = mujoco.MjSpec.from_file(os.fspath(file))
             model = spec.compile()
         except Exception as error:  # of the parser, the compiler, the files of meshes
-            raise InvalidArgument(f"{report.source}: mujoco cannot read it: {error}; correct it") from None
+            why = ", ".join(str(error).split("\n")).rstrip(", ")
+            raise InvalidArgument(f"{report.source}: mujoco cannot read it: {why}; correct it") from None
     for warning in warned:
-        report.add("suspicious", "file", f"mujoco warns: {warning.message}")
+        report.add("suspicious", "file", f"mujoco warns: {warning}")
     return _Reader(spec, model, report).read(str(spec.modelname) or file.stem)
+
+
+@contextmanager
+def _collected_warnings(mujoco: Any) -> Iterator[list[str]]:
+    """What it warns of, which would otherwise be printed and written to a log in the working directory."""
+    collected: list[str] = []
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(collected.append)
+    try:
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
+            yield collected
+    finally:
+        mujoco.set_mju_user_warning(before)
+        collected.extend(str(warning.message) for warning in warned)
 
 
 class _Reader:

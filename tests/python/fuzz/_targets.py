@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from _checkpoints import checkpoints
 from _draw import ODD_NUMBERS, Draw
+from _robot_files import robot_files
 from _run_folders import run_folders
 from _scene_documents import scene_documents
 from _world import CALLS, CHAIN, GRID, HEXES, TETS, Call, World
@@ -311,7 +312,18 @@ def _place_together(sim: stark.Simulation, world: World, three: Any, value: Any)
 #: Targets by name, with the longest input that makes sense.
 TARGETS: dict[str, Callable[[Draw], None]] = {
     f.__name__: f
-    for f in (scene, meshes, mesh_files, material, settings, live, run_folders, checkpoints, scene_documents)
+    for f in (
+        scene,
+        meshes,
+        mesh_files,
+        material,
+        settings,
+        live,
+        run_folders,
+        checkpoints,
+        scene_documents,
+        robot_files,
+    )
 }
 INPUT_SIZE = 160
 

@@ -32,6 +32,7 @@ _COUNTS = {
     "run_folders": 100,
     "checkpoints": 100,
     "scene_documents": 150,
+    "robot_files": 100,
 }
 
 

@@ -115,6 +115,19 @@ def test_warnings_of_mujoco_go_to_the_report_and_to_no_file(
     assert [path.name for path in tmp_path.iterdir()] == ["robot.xml"]
 
 
+def test_numbers_that_are_none_leave_no_log(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The parser printed a warning, and wrote one into the working directory."""
+    file = written_mjcf(tmp_path, f'<body name="a" pos="0 0 nan">{BODY}</body>')
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(stark.InvalidArgument) as caught:
+        stark.robots.read(file)
+    assert "\n" not in str(caught.value)
+    assert capfd.readouterr() == ("", "")
+    assert [path.name for path in tmp_path.iterdir()] == [file.name]
+
+
 def test_a_missing_reader_is_named_with_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = written_mjcf(tmp_path, f'<body name="a">{BODY}</body>')
     monkeypatch.setitem(sys.modules, "mujoco", None)
