@@ -191,6 +191,8 @@ def _combined(
         return tuple(0.0 if abs(t) < 1e-14 else t for t in total)  # weights such as 1/3 sum with rounding
     if operation in ("*", "/") and operands[1].is_constant:
         factor = float(operands[1])
+        if operation == "/" and factor == 0.0:
+            return None
         return tuple(a * factor if operation == "*" else a / factor for a in w[0])
     if operation == "*" and operands[0].is_constant:
         return tuple(float(operands[0]) * a for a in w[1])

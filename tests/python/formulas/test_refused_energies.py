@@ -230,6 +230,11 @@ def pole(p: stark.Point, k: float):
 
 
 @stark.energy
+def no_length(e: stark.Edge):
+    return e.vector[2] / (e.length - e.length)  # difference line
+
+
+@stark.energy
 def well(p: stark.Point, t: stark.Time, m: stark.Mat2):
     return t * stark.log(stark.determinant(m) + p.x[2])  # well line
 
@@ -241,6 +246,7 @@ def edge_root(e: stark.Edge):
 
 NOT_FINITE = [
     (lambda: cone(P), ["cone: the force of element 0 is nan at time 0", "8 more", "p = (-0.2, -0.2, 0)", "the square root of 0", "# cone line"]),
+    (lambda: no_length(CLOTH.edges[:2]), ["no_length: the energy of element 0 is", "a division by zero", "# difference line"]),
     (lambda: pole(P[3], k=1.0), ["pole: the energy of element 0 is inf at time 0", "a division by zero", "# pole line"]),
     (lambda: well(P[3], m=np.diag([1.0, -2.0])), ["well: the energy", "nan", "the logarithm of -2", "# well line"]),
     (lambda: edge_root(CLOTH.edges[:2]), ["edge_root:", "e[0] =", "e[1] =", "to the power 1.5", "# root line"]),

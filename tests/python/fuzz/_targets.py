@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from _checkpoints import checkpoints
 from _draw import ODD_NUMBERS, Draw
+from _energies import energies
 from _robot_files import robot_files
 from _run_folders import run_folders
 from _scene_documents import scene_documents
@@ -323,6 +324,7 @@ TARGETS: dict[str, Callable[[Draw], None]] = {
         checkpoints,
         scene_documents,
         robot_files,
+        energies,
     )
 }
 INPUT_SIZE = 160

@@ -33,6 +33,7 @@ _COUNTS = {
     "checkpoints": 100,
     "scene_documents": 150,
     "robot_files": 100,
+    "energies": 60,
 }
 
 
