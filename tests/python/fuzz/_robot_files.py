@@ -1,6 +1,6 @@
-"""Descriptions of robots that others made, in URDF and MJCF, with something wrong: values, names, elements that
-are missing, twice or elsewhere, damaged bytes. Each gives a robot that can take a step, or an exception of
-Stark's own that names the file, within seconds."""
+"""Descriptions of robots that others made, in URDF and MJCF, with something wrong: values, names, elements
+that are missing, twice or elsewhere, damaged bytes. Each gives a robot that can take a step, or an exception
+of Stark's own, within seconds."""
 
 from __future__ import annotations
 
@@ -81,8 +81,8 @@ _MJCF = """<mujoco model="walker">
 </mujoco>"""
 
 _ODD = (
-    "", " ", "0", "-1", "nan", "inf", "-inf", "1e308", "1e400", "5e-324", "1 2", "0 0 0", "1 0 0 0", "1e9 0 0",
-    "a b c", "0x10", "1,2,3", "true", "false", "x" * 300, "é", "shoulder", "slide", "left", "trunk", "upper",
+    "", " ", "0", "-1", "nan", "inf", "-inf", "1e308", "1e400", "5e-324", "1 2", "0 0 0", "1 0 0 0",
+    "1e9 0 0", "a b c", "0x10", "1,2,3", "true", "false", "x" * 300, "é", "shoulder", "slide", "left", "trunk", "upper",
     "base", "world", "leg", "continuous", "fixed", "floating", "planar", "box", "mesh", "sphere", "hinge",
     "slide", "free", "../../etc/passwd", "package://a/b.stl", "\u202e", "2147483648", "-0.5 0.5", "0.5 -0.5",
 )  # fmt: skip
