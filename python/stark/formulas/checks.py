@@ -74,6 +74,7 @@ class Elements:
     """Some elements of a binding, evaluated at any positions."""
 
     most: int = _MOST_ELEMENTS
+    has_stiffness: bool = True
 
     def __init__(self, binding: BoundEnergy, rng: np.random.Generator) -> None:
         self.binding = binding
@@ -132,6 +133,7 @@ class Whole(Elements):
     elements alone is known, so it is left at zero."""
 
     most: int = sys.maxsize
+    has_stiffness: bool = False
 
     def __init__(self, binding: BoundEnergy, rng: np.random.Generator) -> None:
         super().__init__(binding, rng)
@@ -181,7 +183,7 @@ def _of_whole(whole: Elements, rng: np.random.Generator) -> list[Finding]:
     energy, gradient, _ = whole.evaluate(whole.moved, 1)
     return [
         _gradient(whole, gradient, rng),
-        _continuous_energy(max(Path(whole, rng, at_rest=k == 0).jump(0) for k in range(_LEAST_PATHS))),
+        *_continuity(whole, rng),
         _backends(whole),
         _translation(whole, gradient),
         _rotation(whole, energy, rng),
@@ -259,10 +261,13 @@ class Path:
         """Energies (n, 1) or forces (n, 3k), as order is 0 or 1, and their derivatives by t (n,), where the
         start is at 0."""
         x = self._elements.start + t[:, None, None] * self._way
-        found = self._elements.evaluate(x, order + 1, self._at_rest)
+        known = order + 1 if self._elements.has_stiffness else 1
+        found = self._elements.evaluate(x, known, self._at_rest)
         direction = self._way.reshape(len(x), -1)
         if order == 0:
             return found[0][:, None], np.einsum("ni,ni->n", found[1], direction)[:, None]
+        if not self._elements.has_stiffness:  # cutting a smooth change reduces all of it, only later
+            return found[1], np.zeros_like(found[1])
         return found[1], np.einsum("nij,nj->ni", found[2], direction)
 
     def unexplained(self, begin: NDArray[Any], end: NDArray[Any], order: int) -> NDArray[Any]:
@@ -384,7 +389,7 @@ def _definiteness(hessian: np.ndarray) -> Finding:
 def _rest(elements: Elements, energy: np.ndarray, gradient: np.ndarray) -> Finding:
     at_start = elements.at(elements.start, elements.start, 1)
     force = float(np.abs(at_start[1]).max())
-    value = force / max(float(np.abs(gradient).max()), np.finfo(float).tiny)
+    value = force / max(float(np.abs(gradient).max()), float(np.finfo(float).tiny))
     if value <= _STILL_TOLERANCE:
         level = float(np.abs(at_start[0]).max())
         zero = level <= _STILL_TOLERANCE * max(float(np.abs(energy).max()), np.finfo(float).tiny)

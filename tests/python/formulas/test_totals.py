@@ -212,6 +212,15 @@ def test_check_takes_all_elements_as_one() -> None:
     assert not wrong.ok
     assert wrong["continuous energy"].status == "wrong"
 
+    @stark.energy
+    def kinked(e: stark.Edge, rest: float = 0.0):
+        return stark.abs(stark.total(e.length) - rest)
+
+    kink = kinked(body.edges, rest=float(length)).check()
+    assert kink.ok and kink["continuous energy"].status == "ok"
+    assert kink["continuous forces"].status == "note" and "the energy has a kink" in str(kink)
+    assert report["continuous forces"].status == "ok"
+
 
 @stark.energy
 def outside(e: stark.Edge):
