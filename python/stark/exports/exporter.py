@@ -13,7 +13,7 @@ from stark._core import InvalidArgument
 from stark.arguments import given_path, real_number
 from stark.array_file import naming
 from stark.files import plain_name, resolved
-from stark.recording.export import export
+from stark.recording.export import chosen_frames, export, remove_earlier
 from stark.recording.format import RecordingError
 from stark.recording.reader import given_recording
 
@@ -24,6 +24,8 @@ from .shots import MOTION, Camera, Shot, check_fields, frames_of
 FORMATS = ("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "pc2", "parquet", "mcap")
 #: Without fields, and of one frame each.
 _PLAIN = ("ply", "obj")
+#: A file of each frame, with its number.
+_NUMBERED = ("vtu", "glb")
 #: The numbers of every step.
 _SERIES = ("parquet", "mcap")
 _WITHOUT_FIELDS = (*_PLAIN, *_SERIES, "pc2")
@@ -103,7 +105,10 @@ class Exporter:
             raise InvalidArgument(
                 f"export '{self.path}': nothing was recorded: call record(sim) before close()"
             )
-        return writer.finish()
+        written = writer.finish()
+        if self.path.suffix.lower() == ".pvd":
+            remove_earlier(self.path.with_suffix(""), "vtu", written)
+        return written
 
     def __enter__(self) -> Exporter:
         return self
@@ -130,8 +135,9 @@ def export_recording(
     """Writes frames of a recording (all if left out) into ``folder`` and returns the files. ``fields`` are
     displacement and velocity, which positions give, and those that were recorded; all of them if left out.
     PLY, OBJ and PC2 have none. "parquet" and "mcap" are the
-    numbers of every step. ``progress(done, total)`` is called after each frame. Raises RecordingError for
-    unknown formats and empty recordings."""
+    numbers of every step. ``progress(done, total)`` is called after each frame. An export of all frames
+    removes those of an earlier one, of more frames, which programs would take for its end. Raises
+    RecordingError for unknown formats, empty recordings, and frames out of order or given twice."""
     given_recording(recording, "export_recording")
     if not isinstance(format, str) or format not in FORMATS:
         swapped = "; the folder comes first" if isinstance(folder, str) and folder in FORMATS else ""
@@ -141,9 +147,9 @@ def export_recording(
         raise RecordingError(
             f"export: frames are given, and '{format}' has the numbers of every step: leave them out"
         )
-    chosen = list(range(len(recording)) if frames is None else frames)
     if format in _PLAIN:
-        return export(recording, folder, format, frames=chosen)
+        return export(recording, folder, format, frames=frames)
+    chosen = chosen_frames(recording, frames)
     if not chosen:
         raise RecordingError(f"'{recording.folder}' has no frames; there is nothing to export")
     place = resolved(given_path(folder, "export: folder"))
@@ -164,7 +170,10 @@ def export_recording(
     except BaseException:
         writer.abandon()
         raise
-    return writer.finish()
+    written = writer.finish()
+    if frames is None and format in _NUMBERED:
+        remove_earlier(place / stem, format, written)
+    return written
 
 
 def _writer(path: Path, format: str, fps: float, *, each: bool = False) -> Writer:

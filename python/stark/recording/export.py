@@ -4,8 +4,10 @@ dependencies."""
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
+from itertools import pairwise
 from os import PathLike
 from pathlib import Path
 from typing import BinaryIO
@@ -13,7 +15,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from ..arguments import given_path
+from ..arguments import given_path, shown_value
 from ..array_file import naming, write_atomically
 from ..files import plain_name, printable
 from .format import Frame, RecordingError
@@ -146,18 +148,21 @@ def export(
     *,
     frames: Iterable[int] | None = None,
 ) -> list[Path]:
-    """Writes frames into ``folder`` and returns the files; for ``vtu`` the last one is the ``.pvd``."""
+    """Writes frames into ``folder`` and returns the files; for ``vtu`` the last one is the ``.pvd``. All
+    frames, if ``frames`` is left out: then those of an earlier export that are not among them are removed.
+    Raises RecordingError for frames that there are not, or not in rising order, each once."""
     given_recording(recording, "export")
     writers = {"vtu": vtu_bytes, "ply": ply_bytes, "obj": obj_bytes}
     if format not in writers:
         raise RecordingError(f"format '{format}' is unknown; choose one of {', '.join(FORMATS)}")
+    chosen = chosen_frames(recording, frames)
     folder = given_path(folder, "export: folder")
     with naming(folder):
         folder.mkdir(parents=True, exist_ok=True)
     stem = plain_name(recording.scene, "run")
     written: list[Path] = []
     series: list[tuple[float, str]] = []
-    for index in range(len(recording)) if frames is None else frames:
+    for index in chosen:
         frame = recording.frame(index)
         data = writers[format](frame)
         path = folder / f"{stem}_{frame.index:06d}.{format}"
@@ -168,7 +173,40 @@ def export(
         index_path = folder / f"{stem}.pvd"
         write_atomically(index_path, lambda file: file.write(pvd_bytes(series)))
         written.append(index_path)
+    if frames is None:
+        remove_earlier(folder / stem, format, written)
     return written
+
+
+def chosen_frames(recording: Recording, frames: Iterable[int] | None) -> list[int]:
+    """Numbers of the frames that are exported, all if left out."""
+    if frames is None:
+        return list(range(len(recording)))
+    if isinstance(frames, (str, bytes, Mapping)) or not isinstance(frames, Iterable):
+        raise RecordingError(
+            f"export: frames = {shown_value(frames)}: must be numbers of frames, as [0, 2], or left out for "
+            f"all"
+        )
+    chosen = [recording._frame_index(index) for index in frames]
+    for before, after in pairwise(chosen):
+        if after <= before:
+            raise RecordingError(
+                f"export: frame {after} comes after frame {before}: frames must be in the order of time, "
+                f"each once; give sorted(set(frames))"
+            )
+    return chosen
+
+
+def remove_earlier(stem: Path, suffix: str, written: Iterable[Path]) -> None:
+    """Removes the numbered files of an earlier export under this name that were not written again. Programs
+    take what is numbered in a row for one series."""
+    kept = set(written)
+    for path in stem.parent.iterdir():
+        number = path.name.removeprefix(f"{stem.name}_").removesuffix(f".{suffix}")
+        if path.name != f"{stem.name}_{number}.{suffix}" or not re.fullmatch(r"\d{6,}", number):
+            continue
+        if path not in kept and path.is_file() and not path.is_symlink():
+            path.unlink()
 
 
 def _write(data: bytes, file: BinaryIO) -> object:

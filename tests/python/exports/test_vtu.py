@@ -42,3 +42,17 @@ def test_recordings_have_displacements(tmp_path: Path) -> None:
     assert [f.suffix for f in files] == [".vtu"] * 4 + [".pvd"]
     first, last = numbers(files[0], "Points"), numbers(files[3], "Points")
     np.testing.assert_allclose(numbers(files[3], "displacement"), last - first, atol=1e-7)
+
+
+def test_frames_of_an_earlier_export_are_removed(tmp_path: Path) -> None:
+    sim = falling()
+    for count in (3, 2):
+        with stark.exports.Exporter(tmp_path / "fall.pvd", sim) as out:
+            for _ in range(count):
+                sim.step()
+                out.record(sim)
+    assert sorted(path.name for path in tmp_path.glob("*.vtu")) == ["fall_000000.vtu", "fall_000001.vtu"]
+    run = record(tmp_path / "run", 3)
+    longer = stark.exports.export_recording(run, tmp_path / "out", "vtu")
+    shorter = stark.exports.export_recording(record(tmp_path / "next", 1), tmp_path / "out", "vtu")
+    assert {path for path in longer if path.exists()} == set(shorter)

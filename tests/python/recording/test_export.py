@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from fake_simulation import record
 
+from stark.exports import export_recording
 from stark.recording import RecordingError, export
 from stark.replay import write_page
 
@@ -84,4 +85,41 @@ def test_the_path_of_a_recording_is_none(tmp_path: Path) -> None:
         export(tmp_path / "run", tmp_path / "out")  # type: ignore[arg-type]
     with pytest.raises(RecordingError, match=r"write_page: recording = .*: must be a stark\.recording"):
         write_page(tmp_path / "run")  # type: ignore[arg-type]
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("format", ["ply", "obj", "vtu"])
+def test_an_export_of_all_frames_removes_those_of_an_earlier_one(tmp_path: Path, format: str) -> None:
+    """Frames 3 to 5 of the longer run were left, the end of the series to any program."""
+    out = tmp_path / "out"
+    longer = export(record(tmp_path / "long", 5), out, format)
+    others = [out / f"fake_000009.{format}x", out / f"other_000009.{format}", out / f"fake_9.{format}"]
+    for path in others:
+        path.write_text("kept")
+    stem = longer[0].name.rsplit("_", 1)[0]
+    (out / f"{stem}_000010.{format}").symlink_to(others[0])
+    (out / f"{stem}_000011.{format}").mkdir()
+    run = record(tmp_path / "short", 2)
+    export(run, out, format, frames=[0])
+    assert all(path.exists() for path in longer)  # stills are added
+    shorter = export(run, out, format)
+    assert {path for path in longer if path.exists()} == set(shorter)
+    assert all(path.read_text() == "kept" for path in [*others, out / f"{stem}_000010.{format}"])
+
+
+@pytest.mark.parametrize("format", ["ply", "vtu"])
+def test_frames_are_in_order_and_each_once(tmp_path: Path, format: str) -> None:
+    run = record(tmp_path / "run", 4)
+    for export_to in (export, export_recording):
+        for frames, rule in (
+            ([0, 0], "frame 0 comes after frame 0: frames must be in the order of time, each once"),
+            ([-1, 4], "frame 4 comes after frame 4"),
+            ([2, 1], "frame 1 comes after frame 2"),
+            (3, "frames = 3: must be numbers of frames"),
+            ("01", "frames = '01': must be numbers of frames"),
+            ([None], "frame = None: must be a whole number"),
+            ([9], "has 5 frames, no frame 9"),
+        ):
+            with pytest.raises(RecordingError, match=rule):
+                export_to(run, tmp_path / "out", format, frames=frames)
     assert not (tmp_path / "out").exists()
