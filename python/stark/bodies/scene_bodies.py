@@ -343,7 +343,16 @@ class SceneBodies(SceneLink):
     def add_floor(self, size: float = 4.0, *, height: float = 0.0, **options: Any) -> RigidBody:
         """Fixed square of two triangles in the plane z = ``height`` [m], ``size`` [m] along x and y, seen
         from above; ``options`` as in ``add_rigid``, for instance friction=0.3. What lies on it must not
-        stick out of it: bodies fall off its edge. Raises InvalidArgument for numbers out of range."""
+        stick out of it: bodies fall off its edge. Raises InvalidArgument for numbers out of range, and for
+        what makes no difference to a floor, such as a mass."""
+        title = _title("floor", options.get("name"))
+        if options.get("motion", "fixed") == "fixed":
+            _refuse_idle(title, options)
+        if "position" in options and not _is_zero(height):
+            raise InvalidArgument(
+                f"{title}: height = {height!r} m and position = {options['position']!r} are both given: give "
+                f"one of them"
+            )
         options = {"motion": "fixed", "position": (0.0, 0.0, height), **options}
         return self._add_shape("floor", meshes.grid(size, size, 1), options)
 
@@ -432,6 +441,22 @@ def _require(material: Any, kind: type[Any], body: str, example: str) -> None:
             f"material of a {body} = {shown_value(material)}: must be a stark.{kind.__name__}, for instance "
             f"{example}"
         )
+
+
+def _refuse_idle(title: str, options: dict[str, Any]) -> None:
+    """What only moving bodies have, of a floor."""
+    units = {"mass": "kg", "density": "kg/m^3", "inertia": "", "linear_damping": "1/s"}
+    for name, unit in {**units, "angular_damping": "1/s"}.items():
+        is_none = options.get(name) is None or (name.endswith("damping") and _is_zero(options[name]))
+        if not is_none:
+            raise InvalidArgument(
+                f"{title}: {name} = {shown_value(options[name])} {unit}".rstrip()
+                + ": must be left out, as a floor never moves; give motion='dynamic' to a plate that does"
+            )
+
+
+def _is_zero(value: Any) -> bool:
+    return isinstance(value, (int, float)) and value == 0.0
 
 
 def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stark._core import InvalidArgument
-from stark.arguments import real_number, refuse_masked
+from stark.arguments import real_number, refuse_masked, shown_value
 from stark.bodies import Body
 from stark.handle import SceneLink
 from stark.named import NamedTuple
@@ -82,10 +82,12 @@ class SceneJoints(SceneLink):
     def add_fixed(self, a: Side, b: Side, anchor: Vec3Like | None = None, **options: Any) -> Joint:
         """Welds b to a as they are at time 0. The reaction is given about ``anchor`` [m], the origin if left
         out."""
+        _refuse_axes("fixed", options, "holds both sides as they are; turn them where they are added")
         return self.add_joint("fixed", a, b, **_anchored(a, b, anchor), **options)
 
     def add_ball(self, a: Side, b: Side, anchor: Vec3Like | None = None, **options: Any) -> Joint:
         """Ball joint at ``anchor`` [m]."""
+        _refuse_axes("ball", options, "turns about any axis; add_hinge and add_universal have axes")
         return self.add_joint("ball", a, b, anchor=anchor, **options)
 
     def add_hinge(
@@ -281,6 +283,16 @@ class SceneJoints(SceneLink):
     def joints(self) -> NamedTuple[Joint]:
         """Joints in the order of adding."""
         return NamedTuple("joint", self._joints, self)
+
+
+def _refuse_axes(kind: str, options: dict[str, Any], why: str) -> None:
+    """Of joints to which directions make no difference."""
+    for name in ("axis", "rotation"):
+        if options.get(name) is not None:
+            raise InvalidArgument(
+                f"joint '{options.get('name') or kind}': {name} = {shown_value(options[name])}: must be left "
+                f"out, as a {kind} joint {why}"
+            )
 
 
 def _points(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -141,3 +142,23 @@ def test_what_a_rigid_body_has_not_is_not_sought_in_its_material() -> None:
         print(box.density)
     with pytest.raises(AttributeError, match=r"no attribute 'thickness': write scene.add_solid or add_cloth"):
         print(box.thickness)
+
+
+@pytest.mark.parametrize(
+    ("options", "rule"),
+    [
+        ({"mass": 1.0}, "floor: mass = 1.0 kg: must be left out, as a floor never moves; give motion="),
+        ({"density": 0.0, "name": "lawn"}, "floor 'lawn': density = 0.0 kg/m\\^3: must be left out"),
+        ({"inertia": (1.0, (0, 0, 0), np.eye(3))}, "(?s)floor: inertia = .*: must be left out"),
+        ({"linear_damping": 0.1}, "floor: linear_damping = 0.1 1/s: must be left out"),
+        ({"height": 1.0, "position": (0, 0, 2)}, "height = 1.0 m and position = .* are both given: give one"),
+    ],
+)
+def test_what_makes_no_difference_to_a_floor_is_refused(options: dict[str, Any], rule: str) -> None:
+    """It was taken in silence."""
+    scene = stark.Scene()
+    with pytest.raises(stark.InvalidArgument, match=rule):
+        scene.add_floor(2.0, **options)
+    assert not scene.bodies
+    scene.add_floor(2.0, position=(0, 0, 1), linear_damping=0.0)
+    scene.add_floor(2.0, motion="dynamic", mass=1.0, linear_damping=0.1)
