@@ -26,7 +26,7 @@ from stark.handle import Follower
 from stark.joints.joined_ends import joined_ends_warnings
 from stark.joints.scene_joints import SceneJoints
 from stark.joints.unfit_starts import unfit_start_warnings
-from stark.loads.idle import idle_actuator_warnings, idle_load_warnings
+from stark.loads.idle import idle_actuator_warnings, idle_joint_warnings, idle_load_warnings
 from stark.loads.scene_loads import SceneLoads
 from stark.named import NamedTuple
 from stark.robots.scene_robots import SceneRobots
@@ -212,6 +212,7 @@ class Scene(
             *self._twin_warnings(),
             *idle_load_warnings(self._energies),
             *idle_actuator_warnings(self._core, self._actuators),
+            *idle_joint_warnings(self._core, self._joints, self._actuators),
         ]
 
     def _uneven_starts(self, simulation: _core.Simulation, followers: Iterable[Follower]) -> list[str]:

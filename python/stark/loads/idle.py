@@ -1,4 +1,4 @@
-"""Loads and actuators on what does not move by forces: what is said of them."""
+"""Loads, actuators and joints on what does not move by forces: what is said of them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 
 #: Formulas of stark.loads whose only effect is their force on the points that were given.
 _LOADS = ("force", "torque", "traction", "face_pressure")
+#: Joints that hold nothing wherever they are.
+_MEASURES = ("span", "tilt")
 
 
 def idle_load_warnings(energies: Iterable[Any]) -> list[str]:
@@ -17,8 +19,7 @@ def idle_load_warnings(energies: Iterable[Any]) -> list[str]:
     found = []
     for energy in energies:
         binding = energy._binding
-        function = getattr(binding.energy, "function", None)  # None of formulas that a document holds
-        if binding.name not in _LOADS or not getattr(function, "__module__", "").startswith("stark.loads."):
+        if binding.name not in _LOADS or not _is_load(binding):
             continue
         reasons = [_held(column) for column in binding.columns]
         if all(reasons):
@@ -35,16 +36,57 @@ def idle_actuator_warnings(core: Any, actuators: Iterable[Any]) -> list[str]:
     them and the world."""
     found = []
     for actuator in actuators:
-        sides = [joint._given[side] for joint, _ in actuator.coordinates for side in "ab"]
-        if not all(_is_prescribed(core, side) for side in sides):
-            continue
-        bodies = dict.fromkeys(side["body"] for side in sides if side["carrier"] == "body")
-        what = ", ".join(f"'{core.name(body)}' is {core.motion(body)}" for body in bodies)
-        found.append(
-            f"actuator '{actuator.name}' moves nothing: {what}: must act between bodies of which at least "
-            f"one moves freely; add it with motion='dynamic'"
-        )
+        held = _prescribed(core, (joint for joint, _ in actuator.coordinates))
+        if held is not None:
+            found.append(
+                f"actuator '{actuator.name}' moves nothing: {held}: must act between bodies of which at "
+                f"least one moves freely; add it with motion='dynamic'"
+            )
     return found
+
+
+def idle_joint_warnings(core: Any, joints: Iterable[Any], actuators: Iterable[Any]) -> list[str]:
+    """One for each joint that holds prescribed bodies together, or one of them and the world, which keep to
+    what is prescribed whatever it says. Those of an actuator, of which more is said, are left out."""
+    driven = {joint._index for actuator in actuators for joint, _ in actuator.coordinates}
+    found = []
+    for joint in joints:
+        formula = joint._formula
+        holds = bool(formula.groups) if formula.residuals is not None else joint.kind not in _MEASURES
+        if not holds or joint._index in driven:
+            continue
+        held = _prescribed(core, [joint])
+        if held is not None:
+            found.append(
+                f"joint '{joint.name}' holds nothing: {held}: must join bodies of which at least one moves "
+                f"freely; add it with motion='dynamic', or leave the joint out, as add_span and add_tilt "
+                f"measure without holding"
+            )
+    return found
+
+
+def _prescribed(core: Any, joints: Iterable[Any]) -> str | None:
+    """What bodies the joints have, if all are prescribed or the world; None if one moves freely."""
+    sides = [joint._given[side] for joint in joints for side in "ab"]
+    if not all(_is_prescribed(core, side) for side in sides):
+        return None
+    bodies = dict.fromkeys(side["body"] for side in sides if side["carrier"] == "body")
+    return ", ".join(f"'{core.name(body)}' is {core.motion(body)}" for body in bodies)
+
+
+def _is_load(binding: Any) -> bool:
+    """Whether an energy is one of stark.loads, not one of a user that has its name. Formulas that a document
+    holds have no function and are compared by what they compute."""
+    if not binding.energy.is_read:
+        return str(binding.energy.function.__module__).startswith("stark.loads.")
+    from stark.formulas.frames import KINDS
+    from stark.formulas.listing import listed
+    from stark.loads import formulas, surface_loads
+
+    own = getattr(formulas, binding.name, None) or getattr(surface_loads, binding.name)
+    read = listed(binding.trace.graph, binding.trace.sources)
+    traces = [own.trace([kind]) for kind in KINDS] if binding.name == "torque" else [own.trace()]
+    return any(listed(trace.graph, trace.sources) == read for trace in traces)
 
 
 def _is_prescribed(core: Any, side: Mapping[str, Any]) -> bool:

@@ -117,6 +117,18 @@ def test_states_rewind_bitwise_with_joints() -> None:
         (lambda s, b, c: s.add_joint("ball", None, b, anchor=(0, 0, 0), length=2), "unknown value 'length'"),
         (lambda s, b, c: s.add_joint("ball", None, b, anchr=(0, 0, 0)), "did you mean 'anchor'"),
         (lambda s, b, c: s.add_ball(None, b, anchor=(0, np.nan, 0)), "anchor"),
+        (
+            lambda s, b, c: s.add_ball(None, b, anchor=(0, 0, 0), axis="z", name="hip"),
+            "joint 'hip': axis = 'z': must be left out, as a ball joint turns about any axis; add_hinge and",
+        ),
+        (
+            lambda s, b, c: s.add_ball(None, b, anchor=(0, 0, 0), rotation=np.eye(3)),
+            "joint 'ball': rotation = .*: must be left out, as a ball joint turns about any axis",
+        ),
+        (
+            lambda s, b, c: s.add_fixed(None, b, axis=(1, 0, 0)),
+            r"joint 'fixed': axis = \(1, 0, 0\): must be left out, as a fixed joint holds both sides as",
+        ),
         (lambda s, b, c: s.add_universal(None, b, anchor=(0, 0, 0), axis_a=(1, 0, 0)), "give both"),
         (
             lambda s, b, c: s.add_universal(None, b, anchor=(0, 0, 0), axis_a=(1, 0, 0), axis_b=(1, 1, 0)),
@@ -150,7 +162,8 @@ def test_prescribed_bodies_that_leave_their_joint_fail_the_step() -> None:
     scripted = scene.add_box(0.1, motion="scripted")
     hinge = scene.add_hinge(None, scripted, anchor=(0, 0, 0), axis=(0, 0, 1))
     body(scene, (1.0, 0.0, 0.0))
-    sim = simulate(scene, **{"time.min_step": 5e-3})
+    with pytest.warns(stark.StarkWarning, match="joint 'hinge' holds nothing: 'box' is scripted"):
+        sim = simulate(scene, **{"time.min_step": 5e-3})
     scripted.angular_velocity = (0.0, 0.0, 1.0)
     assert not sim.step().failed
     np.testing.assert_allclose(hinge.angle, 0.01, rtol=1e-12)

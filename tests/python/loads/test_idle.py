@@ -54,6 +54,28 @@ def test_actuators_between_prescribed_bodies(motion: str) -> None:
     assert not any("'motor'" in str(warning.message) for warning in said)
 
 
+@pytest.mark.parametrize("motion", ["fixed", "scripted"])
+def test_joints_between_prescribed_bodies(motion: str) -> None:
+    """They held nothing, without a word, or failed steps as forces that are too strong."""
+    scene = stark.Scene()
+    anvil = scene.add_box(0.1, motion="fixed", name="anvil")
+    wheel = scene.add_box(0.1, motion=motion, position=(1, 0, 0), name="wheel")
+    free = scene.add_box(0.1, mass=1.0, position=(2, 0, 0), name="free")
+    scene.add_hinge(anvil, wheel, anchor=(0.5, 0, 0), axis="z", name="idle")
+    scene.add_fixed(None, wheel, name="weld")
+    scene.add_hinge(wheel, free, anchor=(2, 0, 0), axis="z", name="useful")
+    scene.add_span(anvil, wheel, (0, 0, 0), (1, 0, 0), name="ruler")
+    with pytest.warns(stark.StarkWarning) as said:
+        stark.Simulation(scene, time_step=0.01)
+    texts = [str(warning.message) for warning in said]
+    for start in (
+        f"joint 'idle' holds nothing: 'anvil' is fixed, 'wheel' is {motion}: must join bodies of which",
+        f"joint 'weld' holds nothing: 'wheel' is {motion}: must join",
+    ):
+        assert any(text.startswith(start) for text in texts)
+    assert not any("'useful'" in text or "'ruler'" in text for text in texts)
+
+
 def test_loads_on_what_moves_are_silent() -> None:
     scene = stark.Scene()
     box = scene.add_box(0.1, mass=1.0)
@@ -75,6 +97,34 @@ def test_scenes_of_documents_are_simulated(tmp_path: Path) -> None:
     scene.save(tmp_path / "scene.json")
     again = stark.load_scene(tmp_path / "scene.json")
     assert not stark.Simulation(again, time_step=0.01).step().failed
+
+
+def test_loads_of_documents(tmp_path: Path) -> None:
+    """They were silent: a document holds what a load computes, not which function of Stark it was."""
+    scene = stark.Scene()
+    body = scene.add_box(0.1, mass=1.0, motion="fixed", name="anvil")
+    sheet = scene.add_cloth(
+        stark.mesh.grid(0.2, 0.2, cells=1), pins=[0, 1, 2, 3], name="sheet", position=(1, 0, 0)
+    )
+    scene.add_force(body, (0.0, 0.0, 1.0))
+    scene.add_torque(body, (0.0, 0.0, 1.0))
+    scene.add_traction(sheet, (0.0, 0.0, 10.0))
+    scene.add_face_pressure(sheet, 10.0)
+    scene.add_force(scene.add_box(0.1, mass=1.0, position=(2, 0, 0)), (0.0, 0.0, 1.0), name="useful")
+
+    @stark.energy(translation_invariant=False)
+    def force(p: stark.Point, force: stark.Vec3):
+        return -2.0 * stark.dot(force, p.x)
+
+    scene.add(force(body.points((0.0, 0.0, 0.0)), force=(0.0, 0.0, 1.0)), name="of the user")
+    scene.save(tmp_path / "scene.json")
+    again = stark.load_scene(tmp_path / "scene.json")
+    with pytest.warns(stark.StarkWarning) as said:
+        stark.Simulation(again, time_step=0.01)
+    texts = [str(warning.message) for warning in said]
+    for load in ("force 'force'", "torque 'torque'", "traction 'traction'", "face pressure 'face_pressure'"):
+        assert any(text.startswith(f"{load} moves nothing: ") for text in texts), load
+    assert not any("'useful'" in text or "'of the user'" in text for text in texts)
 
 
 def test_formulas_of_users_are_their_own_business() -> None:
