@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 
 from stark._core import InvalidArgument
 from stark.arguments import given_flag, refuse_copy
+from stark.formulas.applying import applied
 from stark.formulas.arguments import read_arguments
 from stark.formulas.binding import BoundEnergy, RecordedEnergy, counted
 from stark.formulas.checks import check
@@ -39,7 +40,7 @@ class EnergyFormula(RecordedEnergy):
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """The energy on points with values. Inside another formula: the expression of it."""
         if any(isinstance(a, (Scalar, Tensor, Point, Stencil, Frame)) for a in (*args, *kwargs.values())):
-            return self.function(*args, **kwargs)
+            return applied(self.name, self.function, args, kwargs)
         try:
             bound = self.__signature__.bind(*args, **kwargs)
         except TypeError as error:

@@ -9,12 +9,15 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.arguments import shown_value
 from stark.caller import warn
 from stark.formulas import law_checks
+from stark.formulas.applying import applied
 from stark.formulas.parameters import Parameter
 from stark.formulas.recorded_law import RecordedLaw
 from stark.formulas.update_checks import bad_update
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial, refuse_replaced
+from stark.symbolic.tensor import Tensor
 
 
 class MaterialLaw(RecordedLaw):
@@ -32,7 +35,8 @@ class MaterialLaw(RecordedLaw):
         value for each element, and those of the material (density, thickness, damping, ...), which come from
         ``base`` where they are left out. Called with a strain instead: its energy density."""
         if args:
-            return self._function(*args, **given)
+            self._require_strain(args[0])
+            return applied(self.name, self._function, args, given)
         kind = self.material_type
         if base is not None and not isinstance(base, kind):
             raise InvalidArgument(
@@ -59,6 +63,15 @@ class MaterialLaw(RecordedLaw):
     def material_type(self) -> type[Any]:
         """The class of its materials."""
         return SolidMaterial if self.is_solid else ShellMaterial
+
+    def _require_strain(self, given: Any) -> None:
+        strain, shape = self._strain
+        if shape and not isinstance(given, (Tensor, list, tuple, np.ndarray)):
+            first = next((f"{parameter.name}=..." for parameter in self.parameters), "")
+            raise InvalidArgument(
+                f"{self.name}: got {shown_value(given)} without a name: must be values by name for a "
+                f"material, such as {self.name}({first}), or the strain {strain} for its energy density"
+            )
 
     def check(self, **given: Any) -> Any:
         """Tests the law with these parameters: rest state, objectivity, isotropy, derivatives, stability.
