@@ -108,6 +108,17 @@ def given_word(value: Any, what: str) -> str:
     return value
 
 
+def is_list(value: Any) -> bool:
+    """Whether there are parts to go through: not in arrays without axes, which say that they are iterable."""
+    return isinstance(value, Iterable) and not (isinstance(value, np.ndarray) and value.ndim == 0)
+
+
+def given_task(value: Any, what: str, example: str) -> None:
+    """InvalidArgument for what is neither None nor can be called."""
+    if value is not None and not callable(value):
+        raise InvalidArgument(f"{what} = {shown_value(value)}: must be {example}, or left out")
+
+
 def given_coordinate(value: Any, what: str) -> str:
     """A coordinate of a joint, by name: "" for None, which is its only one."""
     if value is not None and not isinstance(value, str):

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import given_word
+from stark.arguments import given_word, real_array, real_number
 from stark.attributes import own_names
 
 __all__ = ["Surface", "paper", "relative_pressure", "rigid", "rubber", "skin", "terry_towel"]
@@ -32,7 +32,7 @@ _CORE_POLE = 0.9999
 def relative_pressure(gap: ArrayLike) -> NDArray[np.float64]:
     """Pressure over contact stiffness at a gap over the contact distance: 1 at 1/2, 0 from 1 on, without
     bound towards 0 (theory eq. 16a)."""
-    r = np.asarray(gap, dtype=np.float64)
+    r = real_array(gap, "relative_pressure: gap")
     near = np.clip(r, np.finfo(np.float64).tiny, 1.0)
     slope = 2.0 * (near - 1.0) * np.log(near) + (1.0 - near) ** 2 / near
     return np.where(r >= 1.0, 0.0, slope / (math.log(2.0) + 0.5))
@@ -61,7 +61,8 @@ class Surface:
                 raise InvalidArgument(
                     f"surface '{self.name}': {field} = {value!r}: must be a number in {unit}"
                 )
-            object.__setattr__(self, field, value := float(value))
+            value = real_number(value, f"surface '{self.name}': {field}")
+            object.__setattr__(self, field, value)
             if field == "core" and not 0.0 <= value <= 0.5 * self.thickness:
                 raise InvalidArgument(
                     f"surface '{self.name}': core = {value:g} m: must be between 0 and half of its "

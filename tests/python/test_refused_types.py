@@ -18,12 +18,16 @@ import stark.gym
 import stark.recording
 import stark.render
 import stark.replay
+import stark.reproducer
+import stark.robots
 import stark.scenes
 import stark.study
 import stark.telemetry
 import stark.verify
 
 ARRAY = np.zeros(2)
+NUMBER = np.array(2.0)  # which says that it can be gone through
+RAGGED = [[1, 2], [3]]
 HUGE = 10**400
 
 
@@ -87,9 +91,50 @@ def recording(sim: stark.Simulation, tmp_path_factory: pytest.TempPathFactory) -
         (lambda sim: stark.calibration.fit(ARRAY, []), "fit: law = .*must be a law or a material"),
         (lambda sim: stark.recording.Recording("x" * 300), "folder = .*in names of at most 255 bytes"),
         (lambda sim: stark.recording.Recorder("run", sim, chunk_frames="a"), "chunk_frames = 'a': must be a"),
+        (lambda sim: stark.recording.Recorder("run", sim.scene), "sim = .*: must be a stark.Simulation"),
+        (lambda sim: stark.recording.Recorder("run", stark.Scene), "sim = .*: must be a stark.Simulation"),
+        (lambda sim: stark.recording.Recorder("run", sim, scene=b"x"), "scene = b'x': must be a text"),
+        (lambda sim: stark.recording.Recorder("run", sim, settings="x"), "settings = 'x': must be a dict"),
+        (lambda sim: stark.recording.Recorder("run", sim, arrays=["x"]), r"arrays = \['x'\]: must be a dict"),
+        (lambda sim: stark.recording.Recorder("run", sim, arrays={"x": 2}), "'x': 2.*: must be functions"),
+        (lambda sim: stark.recording.Recorder("run", sim, fields=[[1]]), r"fields = \[\[1\]\]: must be sev"),
+        (lambda sim: stark.recording.Recorder("run", sim, fields=NUMBER), "fields = array.*: must be sever"),
+        (lambda sim: stark.exports.Exporter("a.usd", sim, fields=NUMBER), "fields = array.*: must be sever"),
+        (lambda sim: sim.scene.disable_overlapping(NUMBER), "bodies = array.*: must be a list of bodies"),
+        (lambda sim: sim.picture(bodies=NUMBER), "bodies = array.*: must be bodies, their names"),
+        (lambda sim: sim.view(field=["speed"]), r"view: field = \['speed'\]: must be one of"),
+        (lambda sim: stark.reproducer.write(sim.scene, "x"), "sim = .*Scene.*: must be a stark.Simulation"),
+        (lambda sim: stark.telemetry.TelemetryWriter(None), "telemetry: path = None: must be a path"),
+        (lambda sim: stark.telemetry.TelemetryWriter("x", kept="a"), "kept = 'a': must be bytes"),
+        (lambda sim: stark.render.read_png("none.png"), "read_png: 'none.png': No such file .*readable pict"),
+        (
+            lambda sim: stark.render.write_png("a.png", RAGGED),
+            r"picture = \[\[1, 2\], \[3\]\]: must be an arr",
+        ),
+        (lambda sim: stark.replay.decode(None, 0, 0), "decode: replay = None: must be what encode returned"),
+        (
+            lambda sim: stark.mesh.SolidMesh(np.zeros((8, 3)), RAGGED),
+            r"elements: got the shape \(\): must be",
+        ),
+        (lambda sim: stark.mesh.joined(NUMBER), "joined: got ndarray: must be a list of surfaces"),
+        (
+            lambda sim: stark.mesh.cleaned(stark.mesh.box(0.1), report=[]),
+            r"report = \[\]: must be a stark.mes",
+        ),
+        (lambda sim: stark.mesh.solid_from_scan("x.ply", edge_length=1.0, progress=3), "progress = 3: must"),
+        (lambda sim: stark.mesh.lattice_from_scan("x.ply", cell_size=1.0, progress=3), "progress = 3: must"),
+        (lambda sim: stark.mesh.tetrahedralise(stark.mesh.box(0.1), keep=ARRAY), "keep = .*True or False"),
+        (lambda sim: stark.motion.rotations([0.0, 1.0], NUMBER), "values = array.*: must be matrices"),
+        (lambda sim: stark.surfaces.Surface("x", HUGE, 1e5, "guess"), "thickness = 1000.*: must be"),
+        (lambda sim: stark.surfaces.relative_pressure(""), "relative_pressure: gap = '': must be of real"),
+        (lambda sim: stark.robots.Link("a", visuals=NUMBER), "visuals = array.*: must be"),
+        (lambda sim: stark.gym.SceneEnv("drop", settings={1: 2}), "settings = {1: 2}: must be a dictionary"),
     ],
 )
-def test_of_simulations(sim: stark.Simulation, call: Callable[[Any], object], text: str) -> None:
+def test_of_simulations(
+    sim: stark.Simulation, call: Callable[[Any], object], text: str, tmp_path: Path, monkeypatch: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(stark.InvalidArgument, match=text):
         call(sim)
 
@@ -119,6 +164,11 @@ def test_of_simulations(sim: stark.Simulation, call: Callable[[Any], object], te
             "of every step: leave",
         ),
         (lambda run: stark.replay.encode(str(run.folder)), "must be a stark.recording.Recording"),
+        (
+            lambda run: stark.replay.decode(stark.replay.encode(run), 2, 0),
+            r"body = 2: must be a number in \[0, 2",
+        ),
+        (lambda run: stark.replay.decode(stark.replay.encode(run), 0, 0.5), "frame = 0.5: must be a number"),
         (lambda run: stark.replay.encode(run, stride=[1]), r"stride = \[1\]; must be at least 1, and whole"),
         (lambda run: stark.replay.encode(run, max_megabytes="a"), "max_megabytes = 'a': must be a number"),
         (lambda run: stark.replay.write_page(run, overlay="run"), "overlay: recording = 'run': must be a st"),

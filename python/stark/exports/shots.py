@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import is_list
 from stark.palette import Color, body_colors
 from stark.recording.format import Frame, FrameBody, drawn, surface
 from stark.render.camera import UP, up_of
@@ -61,7 +62,7 @@ def check_fields(names: Sequence[str], *, live: bool, recorded: Sequence[str] = 
     ``recorded``."""
     if isinstance(names, str):
         raise InvalidArgument(f"export: fields = '{names}': must be several names: ('{names}',)")
-    if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
+    if not is_list(names) or not all(isinstance(name, str) for name in names):
         raise InvalidArgument(f"export: fields = {names!r}: must be several names, such as ('speed',)")
     for name in names:
         if name in recorded:

@@ -56,7 +56,9 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         picture: Mapping[str, Any] | None = None,
     ) -> None:
         for what, given in (("options", options), ("settings", settings), ("picture", picture)):
-            if given is not None and not isinstance(given, Mapping):
+            if given is not None and not (
+                isinstance(given, Mapping) and all(isinstance(k, str) for k in given)
+            ):
                 raise TaskError(f"SceneEnv: {what} = {given!r}: must be a dictionary of values by name")
         modes = (None, *self.metadata["render_modes"])
         if not isinstance(render_mode, (str, type(None))) or render_mode not in modes:

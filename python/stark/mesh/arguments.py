@@ -34,6 +34,14 @@ def points_of(values: ArrayLike, name: str) -> Points:
     return array
 
 
+def shape_of(values: ArrayLike) -> tuple[int, ...]:
+    """() where rows differ in length."""
+    try:
+        return np.shape(values)
+    except (TypeError, ValueError, OverflowError):
+        return ()
+
+
 def indices_of(values: ArrayLike, columns: int, name: str) -> Indices:
     """A copy as (m, columns) integers."""
     refuse_masked(values, name)

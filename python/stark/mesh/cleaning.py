@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from stark import _core
 from stark._core import InvalidArgument, InvalidMesh
-from stark.arguments import given_flag, real_number
+from stark.arguments import given_flag, is_list, real_number, shown_value
 from stark.mesh.arguments import Indices, Points, corners_of
 from stark.mesh.conversion import as_triangle_mesh
 from stark.mesh.repair import equal_rows, merged, oriented
@@ -23,7 +22,7 @@ Ints = NDArray[np.int64]
 def joined(surfaces: Any) -> TriangleMesh:
     """Several surfaces as one mesh, in the given order. Where they overlap, a mass that is made of a density
     counts their volume twice. Raises InvalidMesh for anything but a list of surfaces."""
-    if not isinstance(surfaces, Iterable):
+    if not is_list(surfaces):
         raise InvalidMesh(
             f"joined: got {type(surfaces).__name__}: must be a list of surfaces, joined([a, b])"
         )
@@ -59,6 +58,8 @@ def cleaned(
     if not np.isfinite(surface.vertices).all():
         raise InvalidMesh("cleaned: a vertex is not finite: all must be [m]; leave out what is not")
     near, share = _share(tolerance, "tolerance"), _share(smallest_piece, "smallest_piece")
+    if report is not None and not isinstance(report, MeshReport):
+        raise InvalidArgument(f"cleaned: report = {shown_value(report)}: must be a stark.mesh.MeshReport")
     done = MeshReport() if report is None else report
     if len(surface.triangles) == 0:
         raise InvalidMesh("cleaned: the mesh has 0 triangles: must have at least one")

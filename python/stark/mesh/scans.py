@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
 from stark._core import InvalidMesh
+from stark.arguments import given_task
 from stark.mesh.arguments import positive
 from stark.mesh.cleaning import cleaned
 from stark.mesh.conversion import as_triangle_mesh
@@ -49,6 +50,7 @@ def solid_from_scan(
 
     Raises InvalidMesh, InvalidArgument and ImportError as these do."""
     length = positive(edge_length, "solid_from_scan: edge_length")
+    given_task(progress, "solid_from_scan: progress", "a function of what is done and its share")
     report, tell = MeshReport(), progress or (lambda what, share: None)
     surface = _prepared(scan, length, smallest_piece, report, tell, "solid_from_scan")
     tell(f"filling {len(surface.triangles)} triangles with tetrahedra", 0.15)
@@ -86,6 +88,7 @@ def lattice_from_scan(
 
     Raises InvalidMesh, InvalidArgument and ImportError as these do."""
     size = positive(cell_size, "lattice_from_scan: cell_size")
+    given_task(progress, "lattice_from_scan: progress", "a function of what is done and its share")
     length = 0.5 * size if edge_length is None else positive(edge_length, "lattice_from_scan: edge_length")
     report, tell = MeshReport(), progress or (lambda what, share: None)
     surface = _prepared(scan, length, smallest_piece, report, tell, "lattice_from_scan")

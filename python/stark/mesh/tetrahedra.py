@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stark import _core
 from stark._core import InvalidArgument, InvalidMesh
+from stark.arguments import given_flag
 from stark.mesh.arguments import positive
 from stark.mesh.conversion import as_triangle_mesh
 from stark.mesh.kept import kept
@@ -43,7 +44,7 @@ def tetrahedralise(
     with the same surface and arguments made on this machine, in the user's folder for caches, so that
     simulations repeat bit by bit; on other machines they do with ``mesh.save("cup.npz")``."""
     surface = _closed_surface(mesh)
-    if not keep:
+    if not given_flag(keep, "tetrahedralise: keep"):
         return _made(surface, edge_length, tolerance)
     arguments = f"{_mesher()} {edge_length!r} {tolerance!r}"
     return kept(surface, arguments, lambda: _made(surface, edge_length, tolerance))

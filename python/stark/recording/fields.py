@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._core import InvalidArgument
+from ..arguments import given_word, is_list, shown_value
 from ..array_file import DamageError, make_folder, read_arrays, write_arrays
 from .format import FIELDS, RecordingError, field_path
 
@@ -55,12 +56,40 @@ class Contacts(NamedTuple):
     body_forces: np.ndarray
 
 
+def check_given(sim: Any, scene: Any, version: Any, settings: Any, arrays: Any) -> None:
+    """What a recorder is given."""
+    if not hasattr(sim, "time"):
+        raise RecordingError(f"recording: sim = {shown_value(sim)}: must be a stark.Simulation")
+    given_word(scene, "recording: scene")
+    given_word(version, "recording: stark_version")
+    for what, given in (("settings", settings), ("arrays", arrays)):
+        if given is not None and not isinstance(given, Mapping):
+            raise RecordingError(
+                f"recording: {what} = {shown_value(given)}: must be a dictionary, by name, or None"
+            )
+
+
+def has_fields(fields: Any, arrays: Mapping[str, Arrays] | None) -> bool:
+    """Whether any are given, also such as are none: a FieldWriter refuses them."""
+    return bool(arrays) or not is_list(fields) or len(tuple(fields)) > 0
+
+
 class FieldWriter:
     """Takes fields and contacts of a simulation, frame after frame."""
 
     def __init__(self, sim: Any, fields: Sequence[str], arrays: Mapping[str, Arrays], contacts: bool) -> None:
         if isinstance(fields, str):
             raise RecordingError(f"recording: fields = '{fields}': must be several names: ('{fields}',)")
+        if not is_list(fields) or not all(isinstance(name, str) for name in fields):
+            raise RecordingError(
+                f"recording: fields = {shown_value(fields)}: must be several names, such as ('speed',)"
+            )
+        for title, function in arrays.items():
+            if not isinstance(title, str) or not callable(function):
+                raise RecordingError(
+                    f"recording: arrays = {{{title!r}: {shown_value(function)}}}: must be functions of the "
+                    f"simulation by name"
+                )
         if contacts and not hasattr(sim, "contacts"):
             raise RecordingError("recording: contacts = True needs a simulation")
         self.contacts = contacts

@@ -107,7 +107,7 @@ def surface(body: Any) -> tuple[np.ndarray, np.ndarray]:
 
 def drawn(source: Any) -> list[Any]:
     """Bodies of a simulation or a frame, and the layers of bodies that are to be seen."""
-    if not hasattr(source, "bodies"):
+    if not hasattr(source, "bodies") or isinstance(source, type):
         raise RecordingError(f"sim = {source!r}: must be a stark.Simulation")
     if hasattr(source, "telemetry"):
         raise RecordingError(

@@ -19,7 +19,7 @@ from ..files import resolved
 from ..telemetry import SERIES, TelemetryWriter, _plain, digest_of_last, first_lines
 from . import chain
 from .chain import RowChain
-from .fields import Arrays, FieldWriter, write_chunk
+from .fields import Arrays, FieldWriter, check_given, has_fields, write_chunk
 from .folder import drop_chunks_after, prepare, require_same_settings, tidy
 from .format import (
     CHUNK_FRAMES,
@@ -116,6 +116,7 @@ class Recorder:
         contacts = given_flag(contacts, "recording: contacts")
         if type(chunk_frames) is not int or chunk_frames < 1:
             raise RecordingError(f"chunk_frames = {chunk_frames!r}: must be a whole number, at least 1")
+        check_given(sim, scene, stark_version, settings, arrays)
         self.folder: Path = resolved(given_path(folder, "recording: folder"))
         self._written = 0
         self._chunk_frames = chunk_frames
@@ -146,7 +147,7 @@ class Recorder:
         }
         self._states: StateWriter | None = None
         self._fields: FieldWriter | None = None
-        if fields or arrays or contacts:
+        if has_fields(fields, arrays) or contacts:
             self._fields = FieldWriter(sim, fields, arrays or {}, contacts)
             self._manifest["fields"] = self._fields.manifest
         self._telemetry: TelemetryWriter | None = None

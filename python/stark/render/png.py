@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from .._core import InvalidArgument
-from ..arguments import given_path
+from ..arguments import as_array, given_path
 from ..array_file import write_atomically
 from ..files import read_bytes
 
@@ -34,7 +34,7 @@ def _chunk(kind: bytes, data: bytes) -> bytes:
 
 def png_bytes(picture: np.ndarray) -> bytes:
     """A (height, width, 3) uint8 picture as PNG; each row is stored as differences to the row above."""
-    picture = np.asarray(picture)
+    picture = as_array(picture, "picture")
     if picture.dtype != np.uint8 or picture.ndim != 3 or picture.shape[2] != 3 or not picture.size:
         raise InvalidArgument(
             f"picture has shape {picture.shape} and type {picture.dtype}; must be (h, w, 3) uint8"
@@ -61,9 +61,26 @@ def write_png(path: str | PathLike[str], picture: np.ndarray) -> None:
 
 def read_png(path: str | PathLike[str]) -> np.ndarray:
     """Reads a picture that ``write_png`` wrote; (height, width, 3) uint8."""
-    data = read_bytes(given_path(path, "read_png: path"))
+    file = given_path(path, "read_png: path")
+    try:
+        data = read_bytes(file)
+    except OSError as error:
+        raise InvalidArgument(
+            f"read_png: '{file}': {error.strerror or error}: must be a readable picture"
+        ) from None
     if data[:8] != _SIGNATURE:
         raise InvalidArgument(f"'{path}' is not a PNG file")
+    try:
+        rows, height, width = _rows(data, file)
+    except (struct.error, zlib.error, ValueError) as error:
+        raise InvalidArgument(f"read_png: '{file}' is damaged: {error}; write it again") from None
+    if np.any(rows[:, 0] != 2):
+        raise InvalidArgument(f"'{path}' was not written by Stark: it uses other row filters")
+    return np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).reshape(height, width, 3)
+
+
+def _rows(data: bytes, path: Path) -> tuple[np.ndarray, int, int]:
+    """Rows with their filters, height and width, of the bytes of a PNG file."""
     at, body, width, height = 8, b"", 0, 0
     while at < len(data):
         (length,), kind = struct.unpack_from(">I", data, at), data[at + 4 : at + 8]
@@ -78,6 +95,4 @@ def read_png(path: str | PathLike[str]) -> np.ndarray:
             body += content
         at += 12 + length
     rows = np.frombuffer(zlib.decompress(body), dtype=np.uint8).reshape(height, 1 + 3 * width)
-    if np.any(rows[:, 0] != 2):
-        raise InvalidArgument(f"'{path}' was not written by Stark: it uses other row filters")
-    return np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).reshape(height, width, 3)
+    return rows, height, width

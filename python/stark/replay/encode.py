@@ -22,7 +22,7 @@ import numpy as np
 
 from stark.body_kinds import has_pose
 
-from ..arguments import real_number
+from ..arguments import real_number, shown_value
 from ..palette import body_colors
 from ..recording import Recording, RecordingError
 from ..recording.reader import given_recording
@@ -226,8 +226,18 @@ def _encode_body(recording: Recording, which: int, kept: list[int], add: Any) ->
     return {"mode": "mesh", "ranges": ranges}
 
 
+def _number(given: Any, count: int, what: str) -> int:
+    if isinstance(given, bool) or not isinstance(given, (int, np.integer)) or not 0 <= given < count:
+        raise RecordingError(f"decode: {what} = {shown_value(given)}: must be a number in [0, {count})")
+    return int(given)
+
+
 def decode(replay: EncodedReplay, body: int, frame: int) -> np.ndarray:
     """Positions (n, 3) float64 [m] of a body at a frame of the page: what the page draws there."""
+    if not isinstance(replay, EncodedReplay):
+        raise RecordingError(f"decode: replay = {shown_value(replay)}: must be what encode returned")
+    body = _number(body, len(replay.header["bodies"]), "body")
+    frame = _number(frame, len(replay.header["times"]), "frame")
     entry = replay.header["bodies"][body]
     count = entry["vertices"]
     if entry["mode"] == "mesh":

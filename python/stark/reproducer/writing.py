@@ -12,7 +12,7 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.arguments import given_flag, given_path
+from stark.arguments import given_flag, given_path, shown_value
 from stark.array_file import naming, write_arrays, write_atomically
 from stark.checkpoint import CheckpointError, memory
 from stark.scene_record import Call
@@ -63,6 +63,8 @@ def write(sim: Stepping, folder: str | PathLike[str], *, reduce: bool = False) -
     the folder cannot be written. Files of an earlier reproducer there are replaced."""
     place = given_path(folder, "write_reproducer: folder")
     reduce = given_flag(reduce, "write_reproducer: reduce")
+    if not hasattr(sim, "_taken") or isinstance(sim, type):
+        raise ReproducerError(f"write_reproducer: sim = {shown_value(sim)}: must be a stark.Simulation")
     taken = sim._taken
     if taken is None:
         raise ReproducerError(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import given_choice, given_word, real_array, real_number
+from stark.arguments import given_choice, given_word, is_list, real_array, real_number, shown_value
 from stark.robots.report import Report
 from stark.rotations import as_matrix, vector
 
@@ -118,7 +118,7 @@ class Link:
             raise InvalidArgument(f"{owner}: inertia = {self.inertia!r}: must be a stark.robots.Inertia")
         for name in ("visuals", "collisions"):
             shapes = getattr(self, name)
-            if not isinstance(shapes, Iterable) or not all(isinstance(one, Geometry) for one in shapes):
+            if not is_list(shapes) or not all(isinstance(one, Geometry) for one in shapes):
                 raise InvalidArgument(
                     f"{owner}: {name} = {shapes!r}: must be a tuple of stark.robots.Geometry"
                 )
@@ -294,6 +294,10 @@ class RobotDescription:
         closures: Iterable[Closure] = (),
     ) -> None:
         self.name: str = given_word(name, "description: name")
+        if report is not None and not isinstance(report, Report):
+            raise InvalidArgument(
+                f"description '{name}': report = {shown_value(report)}: must be a stark.robots.Report"
+            )
         self.report: Report = Report(f"description '{name}'") if report is None else report
         self.base: str = given_choice(base, ("fixed", "floating"), f"{self.report.source}: base")
         """What the file says of its base: "fixed" or "floating"."""
@@ -445,7 +449,7 @@ class RobotDescription:
 
 def _listed(what: str, rows: Iterable[_Part], source: str) -> list[_Part]:
     kind = {"link": Link, "joint": RobotJoint, "closure": Closure, "flex": Flex}[what]
-    if not isinstance(rows, Iterable):
+    if not is_list(rows):
         raise InvalidArgument(f"{source}: {what}s = {rows!r}: must be a list of stark.robots.{kind.__name__}")
     found = list(rows)
     for row in found:
@@ -476,9 +480,7 @@ def _placed(placement: Any, what: str) -> tuple[Floats, Floats]:
 
 
 def _pairs(excluded: Any, what: str) -> tuple[tuple[str, str], ...]:
-    pairs = (
-        tuple(excluded) if isinstance(excluded, Iterable) and not isinstance(excluded, str) else (excluded,)
-    )
+    pairs = tuple(excluded) if is_list(excluded) and not isinstance(excluded, str) else (excluded,)
     for pair in pairs:
         if not isinstance(pair, (tuple, list)) or len(pair) != 2 or not all(isinstance(x, str) for x in pair):
             raise InvalidArgument(

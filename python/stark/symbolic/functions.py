@@ -3,13 +3,22 @@ scalar, which float() turns into a number."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Protocol, TypeVar
 
 from stark._core import TraceError
 from stark._core import symbolic as core
 from stark.overloads import overload
-from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, elementwise, from_shape, is_scalar_like
+from stark.symbolic.tensor import (
+    Mat,
+    Scalar,
+    Tensor,
+    Vec,
+    convert,
+    describe,
+    elementwise,
+    from_shape,
+    is_scalar_like,
+)
 
 _Tensor = TypeVar("_Tensor", bound=Tensor)
 
@@ -184,4 +193,11 @@ def mark_stage(value: Scalar | Vec | Mat) -> Any:
     return value
 
 
-is_same: Callable[[Scalar, Scalar], bool] = core.is_same
+def is_same(a: Scalar | float, b: Scalar | float) -> bool:
+    """Whether two expressions are the same operation on the same inputs, not whether their values are.
+    Raises TraceError for anything but scalars."""
+    for name, given in (("a", a), ("b", b)):
+        if not is_scalar_like(given):
+            raise TraceError(f"is_same: {name} is {describe(given)}: must be a scalar of a formula")
+    same: bool = core.is_same(convert(a, "is_same"), convert(b, "is_same"))  # type: ignore[arg-type]
+    return same

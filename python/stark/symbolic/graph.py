@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from stark.symbolic.tensor import Scalar
+from stark._core import TraceError
+from stark.symbolic.tensor import Scalar, listed
 
 # How tightly operators bind in Python: listings are valid Python.
 _PRECEDENCE = {"<": 1, "<=": 1, "||": 2, "&&": 3, "+": 4, "-": 4, "*": 5, "/": 5}
@@ -20,7 +21,10 @@ class ExpressionGraph:
 
     def __init__(self, title: str, outputs: Sequence[Scalar]) -> None:
         self.title = title
-        self.outputs: list[Scalar] = list(outputs)
+        self.outputs: list[Scalar] = listed(outputs, "ExpressionGraph: outputs")
+        for output in self.outputs:
+            if not isinstance(output, Scalar):
+                raise TraceError(f"ExpressionGraph: output {output!r}: must be a scalar of a formula")
         self.nodes: dict[int, Scalar] = _reachable(self.outputs)
 
     @property

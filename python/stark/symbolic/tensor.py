@@ -7,14 +7,14 @@ Tuples, lists and arrays of numbers mix freely with them. Values are immutable; 
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Self, SupportsIndex
 
 import numpy as np
 
 from stark._core import TraceError
 from stark._core import symbolic as core
-from stark.arguments import shown_value
+from stark.arguments import is_list, shown_value
 from stark.overloads import overload
 from stark.symbolic.errors import TraceIndexError
 
@@ -37,6 +37,13 @@ def is_scalar_like(value: object) -> bool:
     if isinstance(value, np.ndarray) and value.dtype == object and value.ndim == 0:
         value = value.item()
     return value is not None and core.is_scalar_like(value)
+
+
+def listed(values: object, what: str) -> list[Any]:
+    """Parts of a list; TraceError calls anything else `what`."""
+    if isinstance(values, (str, bytes, Mapping)) or not is_list(values):
+        raise TraceError(f"{what} = {shown_value(values)}: must be a list of scalars and numbers")
+    return list(values)  # type: ignore[call-overload, no-any-return]
 
 
 class Tensor:
@@ -262,7 +269,7 @@ class Vec(Tensor):
         def __iter__(self) -> Iterator[Scalar]: ...
 
     def __init__(self, entries: Sequence[object]) -> None:
-        entries = list(entries)
+        entries = listed(entries, "Vec: entries")
         if not entries:
             raise TraceError("Vec: got no entries: must have at least one")
         for entry in entries:
@@ -326,7 +333,7 @@ class Mat(Tensor):
         def __iter__(self) -> Iterator[Vec]: ...
 
     def __init__(self, rows: Sequence[Sequence[object]]) -> None:
-        vectors = [vec(row) for row in rows]
+        vectors = [vec(row) for row in listed(rows, "Mat: rows")]
         if not vectors:
             raise TraceError("Mat: got no rows: must have at least one")
         if len({len(v) for v in vectors}) > 1:

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from .._core import InvalidArgument
-from ..arguments import given_path, given_word
+from ..arguments import given_path, given_word, shown_value
 from ..array_file import naming, write_atomically
 from ..files import LONGEST_LINE, open_regular
 from .given import given_numbers
@@ -123,7 +123,9 @@ class TelemetryWriter:
     (stark.recording.chain)."""
 
     def __init__(self, path: str | os.PathLike[str], *, kept: bytes = b"", chain: Any = None) -> None:
-        self.path: Path = Path(path)
+        self.path: Path = given_path(path, "telemetry: path")
+        if not isinstance(kept, bytes):
+            raise InvalidArgument(f"telemetry: kept = {shown_value(kept)}: must be bytes, as of first_lines")
         write_atomically(self.path, lambda file: file.write(kept))  # a file of its own, whatever was there
         with naming(self.path):
             self._file = self.path.open("a", encoding="utf-8", buffering=1)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from stark._core import Error, InvalidArgument, __version__
-from stark.arguments import given_flag, given_path, real_number
+from stark.arguments import given_flag, given_path, real_number, shown_value
 from stark.files import plain_name
 from stark.recording import Recorder
 from stark.render.fields import FIELDS
@@ -52,7 +52,9 @@ class View:
         record_to: str | PathLike[str] = "out/view",
         drive: Callable[[Any], object] | None = None,
     ) -> None:
-        if field is not None and field not in FIELDS:
+        if not hasattr(sim, "time") or isinstance(sim, type):
+            raise InvalidArgument(f"view: sim = {shown_value(sim)}: must be a stark.Simulation")
+        if field is not None and not (isinstance(field, str) and field in FIELDS):
             raise InvalidArgument(f"view: field = {field!r}: must be one of {', '.join(FIELDS)}, or None")
         if drive is not None and not callable(drive):
             raise InvalidArgument(f"view: drive = {drive!r}: must be a function of the simulation, or None")

@@ -68,4 +68,4 @@ def test_neither_simulations_nor_recorders_are_kept_alive(tmp_path: Path) -> Non
     del sim
     gc.collect()
     assert alive[0]() is None
-    Recorder(tmp_path / "plain", SimpleNamespace(bodies=[])).close()  # cannot be referred to weakly
+    Recorder(tmp_path / "plain", SimpleNamespace(bodies=[], time=0.0)).close()  # cannot be referred to weakly

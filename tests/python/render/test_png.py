@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import stark
 from stark.render import read_png, write_png
 
 
@@ -36,6 +37,12 @@ def test_damaged_png(tmp_path: Path) -> None:
     (tmp_path / "p.png").write_bytes(bytes(data))
     with pytest.raises(ValueError, match="block IHDR is damaged"):
         read_png(tmp_path / "p.png")
+    for cut in (8, 11, 40):
+        (tmp_path / "p.png").write_bytes(bytes(data[:cut]))
+        with pytest.raises(stark.InvalidArgument, match=r"p.png' is damaged: .*; write it again|IHDR is dam"):
+            read_png(tmp_path / "p.png")
+    with pytest.raises(stark.InvalidArgument, match="it is a folder, not a file: must be a readable pic"):
+        read_png(tmp_path)
 
 
 @pytest.mark.parametrize("shape", [(4, 4), (4, 4, 4), (0, 4, 3)])

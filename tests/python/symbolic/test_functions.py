@@ -280,3 +280,26 @@ def test_angles_too_large_for_a_quadrant_have_no_sine(name: str) -> None:
     np.testing.assert_allclose(of(np.array([largest, -largest])), exact, rtol=1e-15)
     beyond = of(np.array([np.nextafter(largest, np.inf), -1e16, 1e22, 1e300, np.inf]))
     assert np.isnan(beyond).all()
+
+
+def test_what_is_no_scalar_is_not_compared() -> None:
+    """None ended in an AttributeError of the bindings."""
+
+    @sym.function
+    def compared(x: sym.Real) -> sym.Real:
+        assert sym.is_same(x, x) and sym.is_same(2, 2.0) and not sym.is_same(x, 2.0)
+        for wrong in (None, "x", [x], sym.vec(x, x)):
+            with pytest.raises(stark.TraceError, match=r"is_same: b is .*: must be a scalar of a formula"):
+                sym.is_same(x, wrong)
+        for wrong in (None, 3, "x", np.array(1.0)):
+            with pytest.raises(stark.TraceError, match="must be a list of scalars"):
+                sym.Vec(wrong)
+            with pytest.raises(stark.TraceError, match="must be a list of scalars"):
+                sym.ExpressionGraph("g", wrong)
+        with pytest.raises(stark.TraceError, match="Mat: rows = None: must be a list"):
+            sym.Mat(None)
+        with pytest.raises(stark.TraceError, match="output 3: must be a scalar of a formula"):
+            sym.ExpressionGraph("g", [3])
+        return x
+
+    assert compared(1.0) == 1.0
