@@ -159,6 +159,7 @@ def test_of_simulations(
         (lambda run: stark.exports.export_recording(run, "files", ARRAY), "format .* is unknown"),
         (lambda run: stark.exports.export_recording(run, "files", "ply", fields=["speed"]), "'ply' has none"),
         (lambda run: stark.exports.export_recording(run, "files", "pc2", fields=["speed"]), "'pc2' has none"),
+        (lambda run: stark.exports.export_recording(run, "files", "ply", fields=3), "fields = 3: 'ply' has"),
         (
             lambda run: stark.exports.export_recording(run, "files", "mcap", frames=[0]),
             "of every step: leave",

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Any, Protocol
 
 from stark._core import InvalidArgument
-from stark.arguments import given_path, real_number
+from stark.arguments import given_path, is_list, real_number
 from stark.array_file import naming
 from stark.files import plain_name, resolved
 from stark.recording.export import chosen_frames, export, remove_earlier
@@ -206,7 +206,7 @@ def _format_of(path: Path) -> str:
 
 
 def _refuse_fields(fields: Sequence[str] | None, format: str) -> None:
-    if format in _WITHOUT_FIELDS and fields is not None and list(fields) != []:
+    if format in _WITHOUT_FIELDS and fields is not None and (not is_list(fields) or list(fields) != []):
         raise InvalidArgument(
             f"export: fields = {fields!r}: '{format}' has none: leave them out, or choose usd or vtkhdf"
         )

@@ -15,6 +15,7 @@ import numpy as np
 from _checkpoints import checkpoints
 from _draw import ODD_NUMBERS, Draw
 from _energies import energies
+from _functions import functions
 from _robot_files import robot_files
 from _run_folders import run_folders
 from _scene_documents import scene_documents
@@ -320,6 +321,7 @@ TARGETS: dict[str, Callable[[Draw], None]] = {
         material,
         settings,
         live,
+        functions,
         run_folders,
         checkpoints,
         scene_documents,

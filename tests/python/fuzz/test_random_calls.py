@@ -29,6 +29,7 @@ _COUNTS = {
     "material": 400,
     "settings": 500,
     "live": 12,
+    "functions": 150,
     "run_folders": 100,
     "checkpoints": 100,
     "scene_documents": 150,
