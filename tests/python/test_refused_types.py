@@ -100,6 +100,10 @@ def recording(sim: stark.Simulation, tmp_path_factory: pytest.TempPathFactory) -
         (lambda sim: stark.recording.Recorder("run", sim, fields=[[1]]), r"fields = \[\[1\]\]: must be sev"),
         (lambda sim: stark.recording.Recorder("run", sim, fields=NUMBER), "fields = array.*: must be sever"),
         (lambda sim: stark.exports.Exporter("a.usd", sim, fields=NUMBER), "fields = array.*: must be sever"),
+        (
+            lambda sim: stark.exports.Exporter("a.pvd", sim, fps=24.0),
+            "fps = 24.0: must be left out: only USD",
+        ),
         (lambda sim: sim.scene.disable_overlapping(NUMBER), "bodies = array.*: must be a list of bodies"),
         (lambda sim: sim.picture(bodies=NUMBER), "bodies = array.*: must be bodies, their names"),
         (lambda sim: sim.view(field=["speed"]), r"view: field = \['speed'\]: must be one of"),

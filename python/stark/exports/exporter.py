@@ -29,6 +29,9 @@ _NUMBERED = ("vtu", "glb")
 #: The numbers of every step.
 _SERIES = ("parquet", "mcap")
 _WITHOUT_FIELDS = (*_PLAIN, *_SERIES, "pc2")
+#: With frames, or time codes, a second.
+_WITH_RATE = ("usd", "pc2")
+_FPS = 60.0
 _BY_SUFFIX = {
     ".usd": "usd",
     ".usda": "usd",
@@ -72,14 +75,20 @@ class Exporter:
     package that is missing."""
 
     def __init__(
-        self, path: str | PathLike[str], sim: Any, *, fields: Sequence[str] = (), fps: float = 60.0
+        self, path: str | PathLike[str], sim: Any, *, fields: Sequence[str] = (), fps: float = _FPS
     ) -> None:
         file = resolved(given_path(path, "export: path"))
         self.path: Path = file
         self._camera = Camera(check_fields(fields, live=hasattr(sim, "contacts")))
         format = _format_of(file)
         _refuse_fields(fields, format)
-        self._writer: Writer | None = _writer(file, format, _rate(fps))
+        rate = _rate(fps)
+        if format not in _WITH_RATE and rate != _FPS:
+            raise InvalidArgument(
+                f"export '{file}': fps = {fps!r}: must be left out: only USD and PC2 have frames a second; "
+                f"what is recorded has its time"
+            )
+        self._writer: Writer | None = _writer(file, format, rate)
         self._count, self._last = 0, -float("inf")
 
     def record(self, sim: Any) -> None:
@@ -161,7 +170,7 @@ def export_recording(
     path = place / f"{stem}{_SUFFIX[format]}"
     recorded = [entry.name for entry in recording.fields]
     names = check_fields([*MOTION, *recorded] if fields is None else fields, live=False, recorded=recorded)
-    writer = _writer(path, format, 60.0, each=True)
+    writer = _writer(path, format, _FPS, each=True)
     try:
         for done, shot in enumerate(frames_of(recording, chosen, names), start=1):
             writer.add(shot)
