@@ -1,5 +1,7 @@
 """A ball, a block of jelly and a towel to play with in a browser: drag a body; Ctrl-C ends it."""
 
+from contextlib import suppress
+
 import stark
 
 scene = stark.Scene("play")
@@ -13,4 +15,5 @@ stark.view.add_pulls(scene)
 if __name__ == "__main__":
     with stark.Simulation(scene, time_step=0.01).view(contacts=True) as view:
         print(view.url)
-        view.run()
+        with suppress(KeyboardInterrupt):
+            view.run()

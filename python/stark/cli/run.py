@@ -166,7 +166,8 @@ def run(args: argparse.Namespace) -> int:
     if args.view:
         from .run_view import run_view
 
-        return run_view(args, parse_options(args))
+        with RaisedOnce(signal.SIGINT, signal.SIGTERM):  # a recording that the page asked for is ended
+            return run_view(args, parse_options(args))
     from ..scenes import load
 
     with RaisedOnce(signal.SIGINT, signal.SIGTERM):

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from stark._core import Error, InvalidArgument, __version__
+from stark._core import Error, InvalidArgument, StepReport, __version__
 from stark.arguments import given_flag, given_path, real_number, shown_value
 from stark.files import plain_name
 from stark.recording import Recorder
@@ -94,6 +94,7 @@ class View:
     @property
     def url(self) -> str:
         """Address of the page."""
+        self._require_open("url")
         return address(self._server)
 
     @property
@@ -141,6 +142,7 @@ class View:
         end = np.inf if until is None else real_number(until, "view: until")
         if not end >= 0.0:
             raise InvalidArgument(f"view: until = {until} s: must be >= 0; it is a time, not a duration")
+        stay = given_flag(stay, "view: stay")
         self._require_open("run()")
         while self.is_open:
             self._take_commands()
@@ -165,6 +167,10 @@ class View:
         """For programs that take their own steps: shows where the simulation is now, does what the page asks
         for, and waits while it is paused. ``report`` is that of the step, for the plots."""
         self._require_open("update()")
+        if report is not None and not isinstance(report, StepReport):
+            raise InvalidArgument(
+                f"view: report = {report!r}: must be the stark.StepReport that sim.step() returned, or None"
+            )
         if report is not None:
             self._take_report(report)
         self._take_commands()

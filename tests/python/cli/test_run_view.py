@@ -16,7 +16,8 @@ import pytest
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 
-def test_ctrl_c_ends_it_in_one_line(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signals_end_it_in_one_line(number: signal.Signals, tmp_path: Path) -> None:
     pytest.importorskip("viser", reason="needs the extra 'view'")
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -32,7 +33,7 @@ def test_ctrl_c_ends_it_in_one_line(tmp_path: Path) -> None:
         urllib.request.urlopen(f"http://127.0.0.1:{port}", timeout=10.0).close()
         time.sleep(0.3)
         before = time.monotonic()
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         out, err = process.communicate(timeout=20.0)
         # A second is the aim on a free machine; the rest is for a busy one.
         assert time.monotonic() - before < 5.0

@@ -84,7 +84,8 @@ _ODD = (
     "", " ", "0", "-1", "nan", "inf", "-inf", "1e308", "1e400", "5e-324", "1 2", "0 0 0", "1 0 0 0",
     "1e9 0 0", "a b c", "0x10", "1,2,3", "true", "false", "x" * 300, "é", "shoulder", "slide", "left",
     "trunk", "upper", "base", "world", "leg", "continuous", "fixed", "floating", "planar", "box", "mesh",
-    "sphere", "hinge", "slide", "free", "../../etc/passwd", "package://a/b.stl", "\u202e", "2147483648", "-0.5 0.5", "0.5 -0.5",
+    "sphere", "hinge", "slide", "free", "../../etc/passwd", "package://a/b.stl",
+    "\u202e", "2147483648", "-0.5 0.5", "0.5 -0.5",
 )  # fmt: skip
 
 #: Longest time of one description, its step included [s of this process].

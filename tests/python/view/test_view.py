@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import socket
 import threading
 import urllib.request
 from pathlib import Path
@@ -209,5 +211,42 @@ def test_bad_arguments_and_closed_pages_are_refused(sim: Any) -> None:
     view.close()
     with pytest.raises(stark.InvalidArgument, match=r"run\(\) after close\(\)"):
         view.run()
+    with pytest.raises(stark.InvalidArgument, match=r"url after close\(\)"):
+        print(view.url)
     with sim.view(port=free_port()) as view, pytest.raises(stark.InvalidArgument, match=r"until = -1"):
         view.run(-1)
+    with sim.view(port=free_port()) as view:
+        with pytest.raises(stark.InvalidArgument, match=r"report = 0\.01: must be the stark\.StepReport"):
+            view.update(0.01)
+        with pytest.raises(stark.InvalidArgument, match=r"stay = None: must be True or False"):
+            view.run(until=0.01, stay=None)
+
+
+def test_hosts_and_ports_that_no_server_can_have_are_refused_at_once(sim: Any) -> None:
+    """The server itself waits for them without end."""
+    for host in ("no-such-host.invalid", "192.0.2.1", "a" * 70 + ".org"):
+        with pytest.raises(
+            stark.InvalidArgument, match=rf"host = '{host}': must be .* of this machine.*; take"
+        ):
+            sim.view(host=host, port=free_port())
+    with socket.socket() as taken:
+        try:
+            taken.bind(("127.0.0.1", 65535))
+        except OSError:
+            pytest.skip("port 65535 is in use")
+        taken.listen()
+        with pytest.raises(stark.Error, match=r"no port from 65535 to 65535 is free at 127\.0\.0\.1"):
+            sim.view(port=65535)
+
+
+def test_a_taken_port_leads_to_the_next_one_and_addresses_can_be_opened(sim: Any) -> None:
+    hosts = ["127.0.0.1", "localhost", "0.0.0.0"]
+    with contextlib.suppress(OSError), socket.socket(socket.AF_INET6) as probe:
+        probe.bind(("::1", 0))
+        hosts += ["::1", "::"]
+    for host in hosts:
+        with sim.view(host=host, port=free_port()) as first:
+            port = int(first.url.rpartition(":")[2])
+            with sim.view(host=host, port=port) as second:
+                assert int(second.url.rpartition(":")[2]) > port
+                urllib.request.urlopen(second.url, timeout=10.0).close()
