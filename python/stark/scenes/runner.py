@@ -366,7 +366,7 @@ def _finish(result: RunResult, scene_file: SceneFile, replay: bool, picture: boo
             result.message = "check passed"
 
 
-def told(error: Exception, file: str) -> str:
+def told(error: BaseException, file: str) -> str:
     """Kind and text of what a scene file raised, and the line of the scene's file that it came from."""
     return f"{type(error).__name__}: {error}{place_in(error, file)}"
 

@@ -75,8 +75,12 @@ class LocalPool:
             for _ in range(min(self.processes, len(tasks))):
                 self._start()
             while self._workers:
-                for key, _ in self._selector.select(1.0):
-                    self._hear(key.data)
+                heard = [key.data for key, _ in self._selector.select(1.0)]
+                for worker in heard:
+                    self._hear(worker)
+                # Its output does not end where a process that its scene has forked still has it.
+                for worker in [w for w in self._workers if w not in heard and w.process.poll() is not None]:
+                    self._bury(worker)
                 for worker in [w for w in self._workers if w.overdue]:
                     self._kill(worker)
         finally:

@@ -67,7 +67,7 @@ def perform(task: Task, on_time: OnTime | None = None) -> dict[str, Any]:
             result.update(_make(task, folder, on_time))
         except KeyboardInterrupt:
             result["status"] = "interrupted"
-        except Exception as error:  # code of the user may raise anything
+        except (Exception, SystemExit) as error:  # code of the user may raise anything
             result.update(reached(task, folder))
             result["status"], result["message"] = "error", told(error, task.scene)
             if isinstance(error, OSError) and error.errno in DISK_ERRORS:

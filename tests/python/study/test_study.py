@@ -163,6 +163,35 @@ def test_a_run_that_always_dies_is_a_row(tmp_path: Path) -> None:
     assert row["message"].startswith("its process was killed by signal 11, 2 times; raise limits.retries")
 
 
+def test_a_dead_worker_is_noticed_though_a_process_of_its_scene_lives(tmp_path: Path) -> None:
+    """A fork has the pipe of the worker, which is then not closed by the death of the worker."""
+    plan = write_study(tmp_path, "[limits]\nretries = 0\n" + grid(label='["a", "b"]'))
+    scene = (tmp_path / "fall.py").read_text()
+    forks = """
+def drive(sim):
+    if options["label"] == "b":
+        if os.fork() == 0:
+            time.sleep(30)
+            os._exit(0)
+        os.kill(os.getpid(), 9)
+"""
+    (tmp_path / "fall.py").write_text(scene + forks)
+    began = time.monotonic()
+    good, dead = stark.study.run(plan, tmp_path / "out", processes=2).rows()
+    assert time.monotonic() - began < 20.0
+    assert (good["status"], dead["status"]) == ("complete", "crashed")
+    assert "was killed by signal 9" in dead["message"]
+
+
+def test_a_scene_that_exits_is_an_error_and_not_tried_again(tmp_path: Path) -> None:
+    plan = write_study(tmp_path, grid(label='["a"]'))
+    scene = (tmp_path / "fall.py").read_text()
+    (tmp_path / "fall.py").write_text(scene + '\ndef drive(sim):\n    raise SystemExit("too steep")\n')
+    (row,) = stark.study.run(plan, tmp_path / "out", processes=1).rows()
+    assert (row["status"], row["cost.attempts"]) == ("error", 1)
+    assert row["message"].startswith("SystemExit: too steep (fall.py, line ")
+
+
 def test_a_run_that_does_not_heed_its_time_out_is_killed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
