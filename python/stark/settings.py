@@ -227,10 +227,10 @@ def _groups(names: list[str]) -> set[str]:
 
 
 def _alike(name: str, known: list[str]) -> list[str]:
-    """Settings whose last word resembles that of a name."""
+    """Settings whose last word, or short name, resembles that of a name."""
     import difflib  # not at start-up
 
-    words = {other.rpartition(".")[2]: other for other in known}
+    words = {other.rpartition(".")[2]: other for other in known} | {short: short for short in _SHORT}
     return [words[word] for word in difflib.get_close_matches(name.rpartition(".")[2][:80], words, n=1)]
 
 

@@ -296,7 +296,7 @@ CASES = [
     Case("material of a solid on cloth", lambda: cloth(material=stark.materials.soft_rubber), InvalidArgument,
          ("cloth", "SolidMaterial", "stark.ShellMaterial")),
     # Settings.
-    Case("unknown setting", lambda: simulate(tme_step=0.1), InvalidSetting, ("'tme_step'", "did you mean 'time")),
+    Case("unknown setting", lambda: simulate(tme_step=0.1), InvalidSetting, ("'tme_step'", "did you mean 'time_step'?")),
     Case("unknown dotted setting", lambda: simulate(**{"newton.residual_tolerence": 1.0}), InvalidSetting,
          ("'newton.residual_tolerence'", "did you mean 'newton.residual_tolerance'?")),
     Case("unknown attribute", lambda: assign(stark.Settings().newton, "iterations", 3), InvalidSetting,

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from .._core import InvalidArgument
-from ..arguments import given_path
+from ..arguments import given_flag, given_path
 from ..files import printable, resolved
 from ..recording.lock import FolderLock
 from ..scenes import load, names
@@ -112,6 +112,8 @@ class Study:
         end, and writes ``table.csv``. ``processes`` on this machine, by default one for each core; or on the
         Ray cluster at the address ``ray``."""
         count = _processes(processes, ray)
+        _require_callable(on_progress)
+        retry_failed = given_flag(retry_failed, "study: retry_failed")
         made = self._tasks()
         lock: FolderLock = self._files.lock()
         try:
@@ -180,6 +182,7 @@ def run(
     already are kept: a plan may be extended. The table is that of this plan; results of runs that it does not
     have stay in the folder (``Study.other_results``). Arguments as those of ``Study.resume``."""
     _processes(processes, ray)
+    _require_callable(on_progress)
     given = plan if isinstance(plan, Plan) else Plan.read(plan)
     files, scene_file = StudyFolder(out), load(given.scene)
     made = settled(given, scene_file)
@@ -206,7 +209,19 @@ def resume(
     return study.resume(processes=processes, ray=ray, retry_failed=retry_failed, on_progress=on_progress)
 
 
+def _require_callable(on_progress: OnProgress | None) -> None:
+    if on_progress is not None and not callable(on_progress):
+        raise InvalidArgument(
+            f"study: on_progress = {on_progress!r}; must be a function of the runs that are over, all runs and "
+            f"the work done in runs, or None"
+        )
+
+
 def _processes(processes: int | None, ray: str | None) -> int:
+    if ray is not None and (not isinstance(ray, str) or not ray):
+        raise InvalidArgument(
+            f"study: ray = {ray!r}; must be the address of a Ray cluster, 'auto' or 'local'"
+        )
     if processes is None:
         return default_processes()
     if ray is not None:

@@ -234,7 +234,12 @@ class View:
         """What the page asks for may be refused; the page says why."""
         try:
             command()
-        except (Error, ImportError, OSError) as error:
+        except OSError as error:
+            named = (
+                None if error.filename is None else f"'{error.filename}' cannot be written: {error.strerror}"
+            )
+            self._message = named or str(error)
+        except (Error, ImportError) as error:
             self._message = str(error)
 
     def _later(self, command: Callable[[], object]) -> None:
@@ -297,7 +302,9 @@ class View:
         self.paused, self._single = True, True
 
     def _reset(self) -> None:
-        self._end_recording()  # times of a recording do not go back
+        if self._recorder is not None:  # times of a recording do not go back
+            self._message = f"recorded in {self._recorder.folder}"
+            self._end_recording()
         if self._pulls is not None:
             self._pulls.let_go()
         self._sim.reset()

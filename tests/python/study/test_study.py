@@ -314,6 +314,9 @@ def test_arguments_are_checked(tmp_path: Path) -> None:
         stark.study.run(plan, tmp_path / "out", processes=0)
     with pytest.raises(stark.InvalidArgument, match="give one of them"):
         stark.study.run(plan, tmp_path / "out", processes=1, ray="auto")
+    for bad, told in (({"ray": 3}, "ray = 3; must be the address"), ({"on_progress": 3}, "on_progress = 3")):
+        with pytest.raises(stark.InvalidArgument, match=told):
+            stark.study.run(plan, tmp_path / "out", **bad)
     assert not (tmp_path / "out").exists()
 
 

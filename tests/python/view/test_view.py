@@ -250,3 +250,18 @@ def test_a_taken_port_leads_to_the_next_one_and_addresses_can_be_opened(sim: Any
             with sim.view(host=host, port=port) as second:
                 assert int(second.url.rpartition(":")[2]) > port
                 urllib.request.urlopen(second.url, timeout=10.0).close()
+
+
+def test_the_page_says_where_a_reset_left_the_recording_and_why_a_picture_failed(
+    sim: Any, tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    with sim.view(port=free_port(), record_to=tmp_path / "run") as view:
+        view._actions().record()
+        view._actions().reset()
+        view.update()
+        assert view._message == f"recorded in {tmp_path / 'run'}"
+    with sim.view(port=free_port(), record_to=tmp_path / "file" / "run") as view:
+        view._actions().picture()
+        view.update()
+        assert view._message == f"'{tmp_path / 'file'}' cannot be written: File exists"
