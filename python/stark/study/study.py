@@ -212,8 +212,8 @@ def resume(
 def _require_callable(on_progress: OnProgress | None) -> None:
     if on_progress is not None and not callable(on_progress):
         raise InvalidArgument(
-            f"study: on_progress = {on_progress!r}; must be a function of the runs that are over, all runs and "
-            f"the work done in runs, or None"
+            f"study: on_progress = {on_progress!r}; must be a function of the runs that are over, all runs "
+            f"and the work done in runs, or None"
         )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import real_number
+from stark.attributes import AnsweredAttributes
 from stark.body_kinds import has_pose
 from stark.formulas import Frame, Point, TimeStep, Vec3, energy, parameter
 from stark.formulas.handle import Energy
@@ -68,7 +69,7 @@ class Held(NamedTuple):
     place: Floats
 
 
-class Pulls:
+class Pulls(AnsweredAttributes):
     """Springs of a scene, one of which pulls at a time: ``hold`` a point, move its ``target``, ``let_go``.
     Energies of the scene, so every simulation of it feels them. ``add_pulls`` makes them."""
 

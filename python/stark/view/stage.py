@@ -121,7 +121,7 @@ class Stage:
         data = self._glb(positions, triangles, values)
         if name not in self._colored:
             self._colored[name] = self._server.scene.add_glb(
-                f"{_path(name)} in colours", data, cast_shadow=False, receive_shadow=False
+                _path(name, "colours"), data, cast_shadow=False, receive_shadow=False
             )
         elif self._colored[name].glb_data != data:
             self._colored[name].glb_data = data
@@ -238,6 +238,6 @@ def _trimmed(picture: Array) -> Array:
     return padded
 
 
-def _path(name: str) -> str:
+def _path(name: str, group: str = "bodies") -> str:
     """Of a body in the tree of the server, in which a slash leads a level down."""
-    return f"/bodies/{str(name).replace('/', '∕')}"
+    return f"/{group}/{str(name).replace('/', '∕')}"

@@ -19,6 +19,7 @@ import numpy as np
 
 from stark._core import Error, InvalidArgument, StepReport, __version__
 from stark.arguments import given_flag, given_path, real_number, shown_value
+from stark.attributes import AnsweredAttributes
 from stark.files import plain_name
 from stark.recording import Recorder
 from stark.render.fields import FIELDS
@@ -36,7 +37,7 @@ _PERIOD, _PERIOD_OF_FIELDS = 1.0 / 20.0, 1.0 / 8.0
 _IDLE = 0.05
 
 
-class View:
+class View(AnsweredAttributes):
     """A page that shows a simulation. ``sim.view()`` opens it, ``close()`` or the end of a ``with`` block
     closes it. ``run()`` takes the steps; programs that take their own call ``update()`` after each."""
 
@@ -81,7 +82,7 @@ class View:
             )
             hidden = set() if self._pulls is None else {e._index for e in self._pulls.energies}
             with self._server.gui.add_folder("Live values", expand_by_default=bool(sim.robots)):
-                if add_live_controls(self._server.gui, sim, self._later, hidden) == 0:
+                if add_live_controls(self._server.gui, sim, self._later_asked, hidden) == 0:
                     self._server.gui.add_markdown("The scene has none.")
             self._server.on_client_connect(lambda client: self._later(self.draw))
             self.draw()
@@ -96,6 +97,10 @@ class View:
         """Address of the page."""
         self._require_open("url")
         return address(self._server)
+
+    def __repr__(self) -> str:
+        place = f"at {self.url}" if self.is_open else "closed"
+        return f"<stark.view.View of {self._sim.scene.name!r}, {place}>"
 
     @property
     def paused(self) -> bool:
@@ -244,6 +249,10 @@ class View:
 
     def _later(self, command: Callable[[], object]) -> None:
         self._commands.put(command)
+
+    def _later_asked(self, command: Callable[[], object]) -> None:
+        """What somebody asks for on the page."""
+        self._later(partial(self._answer, command))
 
     def _require_open(self, what: str) -> None:
         if not self.is_open:

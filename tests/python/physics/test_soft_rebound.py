@@ -1,5 +1,5 @@
-"""A soft ball bounces from a floor: its rebound against explicit central differences of the same mesh, and the
-balance of its energy."""
+"""A soft ball bounces from a floor: its rebound against explicit central differences of the same mesh, and
+the balance of its energy."""
 
 from __future__ import annotations
 

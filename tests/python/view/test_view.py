@@ -265,3 +265,36 @@ def test_the_page_says_where_a_reset_left_the_recording_and_why_a_picture_failed
         view._actions().picture()
         view.update()
         assert view._message == f"'{tmp_path / 'file'}' cannot be written: File exists"
+
+
+def test_views_and_pulls_say_what_was_misspelt_and_names_of_bodies_may_be_alike(sim: Any) -> None:
+    scene = stark.Scene("two")
+    for k, name in enumerate(("a", "a in colours", "colours/a")):
+        scene.add_cloth(stark.mesh.grid(0.1, 0.1, 2), name=name, position=(0, 0, 0.1 * k))
+    pulls = stark.view.add_pulls(scene)
+    simulation = stark.Simulation(scene, time_step=0.01)
+    with simulation.view(port=free_port(), field="stress") as view:
+        view.run(0.02, stay=False)
+        view.draw()
+        assert repr(view) == f"<stark.view.View of 'two', at {view.url}>"
+        with pytest.raises(AttributeError, match=r"no attribute 'paussed'; did you mean 'paused'\?"):
+            view.paussed = True
+        with pytest.raises(AttributeError, match=r"no attribute 'let_gow'; did you mean 'let_go'\?"):
+            pulls.let_gow()
+    assert repr(view) == "<stark.view.View of 'two', closed>"
+
+
+def test_a_refused_value_is_no_longer_told_once_another_one_is_taken() -> None:
+    scene = stark.Scene()
+    wheel = scene.add_box(0.1, name="wheel", mass=1.0)
+    hinge = scene.add_hinge(None, wheel, anchor=(0, 0, 0), axis="z", name="axle")
+    hinge.add_motor(1.0, cap=2.0, delta=0.1, name="motor")
+    with stark.Simulation(scene, time_step=0.01).view(port=free_port()) as view:
+        fields = view._server.gui._gui_input_handle_from_uuid.values()
+        cap = next(field for field in fields if str(field.label).startswith("cap"))
+        for value, told in ((-1.0, "cap = -1 N m: must be >= 0"), (3.0, "")):
+            cap._impl.value = value
+            for call in cap._impl.update_cb:
+                call(None)
+            view.update()
+            assert (told in view._message) if told else view._message == ""
