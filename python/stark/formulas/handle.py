@@ -168,7 +168,13 @@ class Energy(Handle):
 
     def _known(self) -> str:
         names = ", ".join(self._binding.values)
-        return f"its parameters are {names}" if names else "it has no parameters"
+        known = f"its parameters are {names}" if names else "it has no parameters"
+        totals = self._binding.trace.totals
+        named = [name for name in totals.names if name] if totals else []
+        if not named:
+            return known
+        slope = f"total_slopes['{named[0]}'] the derivative of the energy with respect to it"
+        return f"{known}; its totals are {', '.join(named)}, {slope}: of a gas, minus its pressure"
 
     def __repr__(self) -> str:
         return f"<stark.Energy '{self.name}' on {self.element_count} elements>"

@@ -4,6 +4,7 @@ is lost; the study folder must be on a file system that all machines share."""
 from __future__ import annotations
 
 import os
+import socket
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict
@@ -19,6 +20,9 @@ from .work import perform
 #: Runs that are told to stop have so long to write their checkpoints [s].
 _FAREWELL = 0.6
 
+#: How long to wait for a cluster to answer [s].
+_PATIENCE = 10.0
+
 
 def run_on_ray(
     folder: StudyFolder, tasks: Sequence[Task], address: str, retries: int, on_share: OnShare
@@ -30,10 +34,11 @@ def run_on_ray(
     mine = not ray.is_initialized()
     if mine:
         try:
+            _require_listener(address)
             made_here = {"include_dashboard": False} if address == "local" else {}
             quiet = {"log_to_driver": False, "logging_level": "ERROR"}
             ray.init(address=address, runtime_env=_environment(), **quiet, **made_here)
-        except (ConnectionError, ValueError, RuntimeError) as error:
+        except (OSError, OverflowError, ValueError, RuntimeError) as error:
             raise StudyError(
                 f"study: ray = '{address}': no Ray cluster can be reached there ({error}); start one with "
                 f"'ray start --head', or give 'local'"
@@ -43,6 +48,13 @@ def run_on_ray(
     finally:
         if mine:
             ray.shutdown()
+
+
+def _require_listener(address: str) -> None:
+    """Ray itself tries an address where nobody listens for minutes. Raises OSError there."""
+    host, colon, port = address.rpartition(":")
+    if colon and "/" not in address and port.isdecimal():
+        socket.create_connection((host.strip("[]"), int(port)), timeout=_PATIENCE).close()
 
 
 def _ray() -> Any:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import queue
 import time as clock
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -202,9 +203,19 @@ class View(AnsweredAttributes):
             self._message = f"the simulation went back in time; recorded in {self._recorder.folder}"
             self._end_recording()
         if self._recorder is not None:
-            self._recorder.report(report)
+            self._record(self._recorder, report)
+
+    def _record(self, recorder: Recorder, report: Any) -> None:
+        """A full disk ends the recording, not the simulation."""
+        try:
+            recorder.report(report)
             if not report.failed:
-                self._recorder.record(self._sim)
+                recorder.record(self._sim)
+        except OSError as error:
+            self._message, self._recorder = f"the recording has ended: {error}", None
+            self._panel.show_recording(False)
+            with suppress(OSError):
+                recorder.close("failed", str(error))
 
     def _take_commands(self) -> None:
         while True:
@@ -367,9 +378,9 @@ class View(AnsweredAttributes):
     def _end_recording(self) -> None:
         recorder, self._recorder = self._recorder, None
         if recorder is not None:
-            recorder.close("complete")
             if self.is_open:
                 self._panel.show_recording(False)
+            recorder.close("complete")
 
     def _picture(self) -> None:
         folder = self._record_to.parent

@@ -247,3 +247,12 @@ def test_numbers_of_a_gas_are_numbers(name: str, value: Any) -> None:
     with pytest.raises(stark.InvalidArgument, match=rf"gas: {name} = .*: must be a number"):
         scene.add_gas(ball, **{name: value})
     assert not scene.energies
+
+
+def test_who_looks_for_the_pressure_is_told_where_it_is() -> None:
+    scene = stark.Scene()
+    gas = scene.add_gas(scene.add_cloth(stark.mesh.sphere(0.1, 1)), name="air")
+    with pytest.raises(
+        AttributeError, match=r"its totals are volume, total_slopes\['volume'\] .*minus its pressure"
+    ):
+        _ = gas.pressure

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import threading
 import time
 from collections.abc import Iterator
@@ -85,6 +86,20 @@ def test_forty_runs_survive_two_workers_and_a_node(tmp_path: Path, cluster: Any)
     local = stark.study.run(plan, tmp_path / "local", processes=4)
     assert table(local) == table(study)
     assert stark.study.resume(tmp_path / "out", ray=cluster.address).rows() == rows
+
+
+def test_addresses_where_nobody_listens_are_refused_at_once(tmp_path: Path) -> None:
+    """Ray itself tries for minutes."""
+    plan = write_study(tmp_path, grid(height="[1.0]"))
+    with socket.socket() as unused:
+        unused.bind(("127.0.0.1", 0))
+        for address in (
+            f"127.0.0.1:{unused.getsockname()[1]}",
+            "no-such-host.invalid:6379",
+            "127.0.0.1:70000",
+        ):
+            with pytest.raises(StudyError, match=f"ray = '{address}': no Ray cluster can be reached there"):
+                stark.study.run(plan, tmp_path / "out", ray=address)
 
 
 def test_addresses_without_a_cluster(tmp_path: Path) -> None:

@@ -14,6 +14,8 @@ import pytest
 from _views import falling, free_port
 
 import stark
+from stark.array_file import WriteError
+from stark.recording import Recorder, Recording
 from stark.render.fields import FIELDS
 
 pytest.importorskip("viser", reason="needs the extra 'view'")
@@ -298,3 +300,22 @@ def test_a_refused_value_is_no_longer_told_once_another_one_is_taken() -> None:
                 call(None)
             view.update()
             assert (told in view._message) if told else view._message == ""
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_simulation(
+    sim: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*arguments: Any) -> None:
+        raise WriteError("'frames' cannot be written: No space left on device")
+
+    with sim.view(port=free_port(), record_to=tmp_path / "run") as view:
+        view._set_pace(False)
+        view._actions().record()
+        view.run(0.02, stay=False)
+        monkeypatch.setattr(Recorder, "record", full)
+        view.run(0.05, stay=False)
+        assert sim.time == pytest.approx(0.05)
+        assert view._message.startswith("the recording has ended: 'frames' cannot be written: No space")
+    recording = Recording(tmp_path / "run")
+    assert recording.status == "failed" and "No space" in recording.manifest["message"]
+    assert len(recording.telemetry) == 3
