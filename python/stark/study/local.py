@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import selectors
+import signal
 import subprocess
 import sys
 import time as clock
@@ -142,8 +143,10 @@ class LocalPool:
         worker.process.wait()
 
     def _bury(self, worker: _Worker) -> None:
-        """A process has died: its task is tried again, by another one."""
+        """A process has died: its task is tried again, by another one. What its scene has forked would keep
+        the lock of the run."""
         task = worker.task
+        _kill_group(worker.process)
         self._dismiss(worker)
         self._stillborn += task is None
         if self._stillborn > _MOST_STILLBORN:
@@ -168,7 +171,7 @@ class LocalPool:
         """A run that did not end by itself after its time-out."""
         assert worker.task is not None
         task, worker.task = worker.task, None
-        worker.process.kill()
+        _kill_group(worker.process)
         worker.process.wait()
         if self.folder.result(task.key) is None:
             self.folder.write_result(task.key, timed_out_result(task, self.folder))
@@ -189,6 +192,12 @@ class LocalPool:
             worker.process.kill()
             self._dismiss(worker)
         self._selector.close()
+
+
+def _kill_group(process: subprocess.Popen[bytes]) -> None:
+    """Ends a process and those that it has started: it leads its session."""
+    with suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, signal.SIGKILL)
 
 
 def crashed_result(task: Task, folder: StudyFolder, how: str, deaths: int) -> dict[str, Any]:

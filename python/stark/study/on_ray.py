@@ -38,7 +38,7 @@ def run_on_ray(
             made_here = {"include_dashboard": False} if address == "local" else {}
             quiet = {"log_to_driver": False, "logging_level": "ERROR"}
             ray.init(address=address, runtime_env=_environment(), **quiet, **made_here)
-        except (OSError, OverflowError, ValueError, RuntimeError) as error:
+        except (ConnectionError, ValueError, RuntimeError) as error:
             raise StudyError(
                 f"study: ray = '{address}': no Ray cluster can be reached there ({error}); start one with "
                 f"'ray start --head', or give 'local'"
@@ -51,10 +51,14 @@ def run_on_ray(
 
 
 def _require_listener(address: str) -> None:
-    """Ray itself tries an address where nobody listens for minutes. Raises OSError there."""
+    """Ray itself tries an address where nobody listens for minutes. Raises ConnectionError there."""
     host, colon, port = address.rpartition(":")
-    if colon and "/" not in address and port.isdecimal():
+    if not colon or "/" in address or not port.isdecimal():
+        return
+    try:
         socket.create_connection((host.strip("[]"), int(port)), timeout=_PATIENCE).close()
+    except (OSError, OverflowError) as error:
+        raise ConnectionError(str(error)) from error
 
 
 def _ray() -> Any:

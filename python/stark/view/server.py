@@ -31,20 +31,20 @@ def open_server(host: Any, port: Any, title: str) -> Any:
         import viser
     except ImportError as error:
         raise ImportError(_MISSING) from error
-    free = _free_port(host, port)
+    place, free = _free_place(host, port)
     logging.getLogger("websockets").setLevel(logging.CRITICAL)  # browsers that go away are no news
     try:
         with contextlib.redirect_stdout(io.StringIO()):  # it greets
-            return viser.ViserServer(host=host, port=free, label=title, verbose=False)
+            return viser.ViserServer(host=place, port=free, label=title, verbose=False)
     except OSError as error:
         raise Error(
             f"view: no server can be opened at {host}:{free}: {error}; choose another port"
         ) from error
 
 
-def _free_port(host: str, port: int) -> int:
-    """``port``, or the next one at which ``host`` can be served. The server waits without end for a port
-    that it cannot have, so it is only given one that is free."""
+def _free_place(host: str, port: int) -> tuple[str, int]:
+    """``host``, or its first address that this machine has if it lacks others, and ``port`` or the next one
+    that is free there. The server waits without end for a place that it cannot have."""
     try:
         found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
     except (OSError, UnicodeError) as error:
@@ -55,13 +55,14 @@ def _free_port(host: str, port: int) -> int:
     last = min(port + _MOST_PORTS, 65536)
     for candidate in range(port, last):
         try:
-            if not any([_can_bind(family, address, candidate) for family, address in places]):
+            can = [_can_bind(family, address, candidate) for family, address in places]
+            if not any(can):
                 raise InvalidArgument(
                     f"view: host = {host!r}: must be an address of this machine; take {_THIS_MACHINE}"
                 )
         except OSError:  # another program has it, or it is not for everybody
             continue
-        return candidate
+        return host if all(can) else str(places[can.index(True)][1][0]), candidate
     raise Error(f"view: no port from {port} to {last - 1} is free at {host}: choose another port")
 
 

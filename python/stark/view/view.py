@@ -20,6 +20,7 @@ import numpy as np
 
 from stark._core import Error, InvalidArgument, StepReport, __version__
 from stark.arguments import given_flag, given_path, real_number, shown_value
+from stark.array_file import naming
 from stark.attributes import AnsweredAttributes
 from stark.files import plain_name
 from stark.recording import Recorder
@@ -250,12 +251,7 @@ class View(AnsweredAttributes):
         """What the page asks for may be refused; the page says why."""
         try:
             command()
-        except OSError as error:
-            named = (
-                None if error.filename is None else f"'{error.filename}' cannot be written: {error.strerror}"
-            )
-            self._message = named or str(error)
-        except (Error, ImportError) as error:
+        except (Error, ImportError, OSError) as error:
             self._message = str(error)
 
     def _later(self, command: Callable[[], object]) -> None:
@@ -366,8 +362,8 @@ class View(AnsweredAttributes):
     def _toggle_recording(self) -> None:
         if self._recorder is not None:
             folder = self._recorder.folder
-            self._end_recording()
             self._message = f"recorded in {folder}"
+            self._end_recording()
             return
         folder = _free(self._record_to, "")
         self._recorder = Recorder(folder, self._sim, scene=self._sim.scene.name, stark_version=__version__)
@@ -377,14 +373,21 @@ class View(AnsweredAttributes):
 
     def _end_recording(self) -> None:
         recorder, self._recorder = self._recorder, None
-        if recorder is not None:
-            if self.is_open:
-                self._panel.show_recording(False)
+        if recorder is None:
+            return
+        if self.is_open:
+            self._panel.show_recording(False)
+        try:
             recorder.close("complete")
+        except OSError as error:
+            if not self.is_open:  # no page is left to say it
+                raise
+            self._message = f"the recording has ended: {error}"
 
     def _picture(self) -> None:
         folder = self._record_to.parent
-        folder.mkdir(parents=True, exist_ok=True)
+        with naming(folder):
+            folder.mkdir(parents=True, exist_ok=True)
         path = _free(folder / plain_name(self._sim.scene.name, "scene"), ".png")
         self._sim.picture(path, field=self._stage.field, contacts=self._stage.contacts)
         self._message = f"picture in {path}"

@@ -165,7 +165,7 @@ def test_a_run_that_always_dies_is_a_row(tmp_path: Path) -> None:
 
 def test_a_dead_worker_is_noticed_though_a_process_of_its_scene_lives(tmp_path: Path) -> None:
     """A fork has the pipe of the worker, which is then not closed by the death of the worker."""
-    plan = write_study(tmp_path, "[limits]\nretries = 0\n" + grid(label='["a", "b"]'))
+    plan = write_study(tmp_path, "[limits]\nretries = 1\n" + grid(label='["a", "b"]'))
     scene = (tmp_path / "fall.py").read_text()
     forks = """
 def drive(sim):
@@ -180,7 +180,7 @@ def drive(sim):
     good, dead = stark.study.run(plan, tmp_path / "out", processes=2).rows()
     assert time.monotonic() - began < 20.0
     assert (good["status"], dead["status"]) == ("complete", "crashed")
-    assert "was killed by signal 9" in dead["message"]
+    assert "was killed by signal 9, 2 times" in dead["message"]
 
 
 def test_a_scene_that_exits_is_an_error_and_not_tried_again(tmp_path: Path) -> None:

@@ -241,6 +241,21 @@ def test_hosts_and_ports_that_no_server_can_have_are_refused_at_once(sim: Any) -
             sim.view(port=65535)
 
 
+def test_a_host_with_an_address_that_this_machine_lacks_is_served_at_another(
+    sim: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The server waited for the first one without end."""
+    found = [(socket.AF_INET, socket.SOCK_STREAM, 6, "", (ip, 0)) for ip in ("192.0.2.1", "127.0.0.1")]
+    resolve = socket.getaddrinfo
+    monkeypatch.setattr(
+        socket,
+        "getaddrinfo",
+        lambda host, *given, **more: found if host == "some-host" else resolve(host, *given, **more),
+    )
+    with sim.view(host="some-host", port=free_port()) as view:
+        assert view.url.startswith("http://127.0.0.1:")
+
+
 def test_a_taken_port_leads_to_the_next_one_and_addresses_can_be_opened(sim: Any) -> None:
     hosts = ["127.0.0.1", "localhost", "0.0.0.0"]
     with contextlib.suppress(OSError), socket.socket(socket.AF_INET6) as probe:
@@ -266,7 +281,7 @@ def test_the_page_says_where_a_reset_left_the_recording_and_why_a_picture_failed
     with sim.view(port=free_port(), record_to=tmp_path / "file" / "run") as view:
         view._actions().picture()
         view.update()
-        assert view._message == f"'{tmp_path / 'file'}' cannot be written: File exists"
+        assert view._message == f"'{tmp_path / 'file'}' cannot be written: File exists; choose another place"
 
 
 def test_views_and_pulls_say_what_was_misspelt_and_names_of_bodies_may_be_alike(sim: Any) -> None:
@@ -316,6 +331,12 @@ def test_a_full_disk_ends_the_recording_and_not_the_simulation(
         view.run(0.05, stay=False)
         assert sim.time == pytest.approx(0.05)
         assert view._message.startswith("the recording has ended: 'frames' cannot be written: No space")
+    with sim.view(port=free_port(), record_to=tmp_path / "other") as view:
+        monkeypatch.undo()
+        view._do(view._toggle_recording)
+        monkeypatch.setattr(Recorder, "close", full)
+        view._do(view._reset)
+        assert sim.time == 0.0 and view._message.startswith("the recording has ended: 'frames' cannot be")
     recording = Recording(tmp_path / "run")
     assert recording.status == "failed" and "No space" in recording.manifest["message"]
     assert len(recording.telemetry) == 3
