@@ -7,14 +7,14 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 from .._core import InvalidArgument
-from ..arguments import is_list, nearest, real_number
+from ..arguments import is_iterable, nearest, real_number
 
 
 def matching(chosen: Any, names: Sequence[str], what: str) -> list[int]:
     """Indices of the bodies that are ``chosen``, in the order of ``names``: by one or more handles, names, or
     patterns such as ``"finger*"`` (a name that a body has is that body, whatever characters it has).
     InvalidArgument calls what matches no body ``what``."""
-    parts = [chosen] if isinstance(chosen, str) or not is_list(chosen) else list(chosen)
+    parts = [chosen] if isinstance(chosen, str) or not is_iterable(chosen) else list(chosen)
     places: dict[str, list[int]] = {}  # by name
     for i, name in enumerate(names if len(parts) > 1 else ()):
         places.setdefault(name, []).append(i)

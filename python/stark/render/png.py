@@ -72,6 +72,8 @@ def read_png(path: str | PathLike[str]) -> np.ndarray:
         raise InvalidArgument(f"'{path}' is not a PNG file")
     try:
         rows, height, width = _rows(data, file)
+    except InvalidArgument:
+        raise
     except (struct.error, zlib.error, ValueError) as error:
         raise InvalidArgument(f"read_png: '{file}' is damaged: {error}; write it again") from None
     if np.any(rows[:, 0] != 2):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import given_choice, given_word, is_list, real_array, real_number, shown_value
+from stark.arguments import given_choice, given_word, is_iterable, real_array, real_number, shown_value
 from stark.robots.report import Report
 from stark.rotations import as_matrix, vector
 
@@ -118,7 +118,7 @@ class Link:
             raise InvalidArgument(f"{owner}: inertia = {self.inertia!r}: must be a stark.robots.Inertia")
         for name in ("visuals", "collisions"):
             shapes = getattr(self, name)
-            if not is_list(shapes) or not all(isinstance(one, Geometry) for one in shapes):
+            if not is_iterable(shapes) or not all(isinstance(one, Geometry) for one in shapes):
                 raise InvalidArgument(
                     f"{owner}: {name} = {shapes!r}: must be a tuple of stark.robots.Geometry"
                 )
@@ -449,7 +449,7 @@ class RobotDescription:
 
 def _listed(what: str, rows: Iterable[_Part], source: str) -> list[_Part]:
     kind = {"link": Link, "joint": RobotJoint, "closure": Closure, "flex": Flex}[what]
-    if not is_list(rows):
+    if not is_iterable(rows):
         raise InvalidArgument(f"{source}: {what}s = {rows!r}: must be a list of stark.robots.{kind.__name__}")
     found = list(rows)
     for row in found:
@@ -480,7 +480,7 @@ def _placed(placement: Any, what: str) -> tuple[Floats, Floats]:
 
 
 def _pairs(excluded: Any, what: str) -> tuple[tuple[str, str], ...]:
-    pairs = tuple(excluded) if is_list(excluded) and not isinstance(excluded, str) else (excluded,)
+    pairs = tuple(excluded) if is_iterable(excluded) and not isinstance(excluded, str) else (excluded,)
     for pair in pairs:
         if not isinstance(pair, (tuple, list)) or len(pair) != 2 or not all(isinstance(x, str) for x in pair):
             raise InvalidArgument(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -33,6 +34,8 @@ _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
 _GREY = np.array([0.5, 0.5, 0.5, 1.0], dtype=np.float32)  # of geoms that say nothing
 _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8)
 
+_READING = threading.Lock()  # handlers of warnings are those of the process
+
 
 def read_mjcf(file: Path) -> RobotDescription:
     """Reads an MJCF file; errors as in ``stark.robots.read``."""
@@ -57,15 +60,15 @@ def read_mjcf(file: Path) -> RobotDescription:
 def _collected_warnings(mujoco: Any) -> Iterator[list[str]]:
     """What it warns of, which would otherwise be printed and written to a log in the working directory."""
     collected: list[str] = []
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(collected.append)
-    try:
-        with warnings.catch_warnings(record=True) as warned:
-            warnings.simplefilter("always")
+    with _READING, warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        before = mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(collected.append)
+        try:
             yield collected
-    finally:
-        mujoco.set_mju_user_warning(before)
-        collected.extend(str(warning.message) for warning in warned)
+        finally:
+            mujoco.set_mju_user_warning(before)
+            collected.extend(str(warning.message) for warning in warned)
 
 
 class _Reader:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -115,7 +116,16 @@ def test_warnings_of_mujoco_go_to_the_report_and_to_no_file(
     assert [path.name for path in tmp_path.iterdir()] == ["robot.xml"]
 
 
-def test_numbers_that_are_none_leave_no_log(
+def test_threads_that_read_leave_no_handler_of_warnings(tmp_path: Path) -> None:
+    import mujoco
+
+    file = written_mjcf(tmp_path, f'<body name="a">{BODY}</body>')
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(lambda _: stark.robots.read(file), range(40)))
+    assert mujoco.get_mju_user_warning() is None
+
+
+def test_a_file_with_a_nan_leaves_no_log(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """The parser printed a warning, and wrote one into the working directory."""
