@@ -108,7 +108,7 @@ def given_word(value: Any, what: str) -> str:
     return value
 
 
-def is_list(value: Any) -> bool:
+def is_iterable(value: Any) -> bool:
     """Whether there are parts to go through: not in arrays without axes, which say that they are iterable."""
     return isinstance(value, Iterable) and not (isinstance(value, np.ndarray) and value.ndim == 0)
 

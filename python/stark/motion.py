@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import given_flag, given_path, is_list, real_array, real_number, refuse_masked
+from stark.arguments import given_flag, given_path, is_iterable, real_array, real_number, refuse_masked
 from stark.attributes import own_names
 from stark.mesh import TriangleMesh
 from stark.mesh.usd_files import read_usd, without_unused
@@ -141,7 +141,7 @@ def rotations(times: ArrayLike, values: Any, *, smooth: bool = True, rest: bool 
     ``smooth``: a spline of quaternions with continuous angular velocity and acceleration, ``rest`` as in
     ``spline``; otherwise constant angular velocity between knots."""
     smooth, rest = given_flag(smooth, "rotations: smooth"), given_flag(rest, "rotations: rest")
-    if not is_list(values):
+    if not is_iterable(values):
         raise InvalidArgument(f"rotations: values = {values!r}: must be matrices or quaternions")
     matrices = [as_matrix(value, f"rotations: value {k}") for k, value in enumerate(values)]
     quaternions = [to_quaternion(matrix) for matrix in matrices]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeAlias, TypeGuard
 from stark import _core
 from stark._core import InvalidArgument
 from stark.actuators.scene_actuators import SceneActuators
-from stark.arguments import given_name, is_list, real_number, refuse_copy
+from stark.arguments import given_name, is_iterable, real_number, refuse_copy
 from stark.attachments.scene_attachments import SceneAttachments
 from stark.attributes import AnsweredAttributes
 from stark.bodies.body import Body
@@ -148,7 +148,7 @@ class Scene(
         simulation already."""
         from stark.bodies.overlaps import overlapping
 
-        if isinstance(bodies, (str, Body)) or not (bodies is None or is_list(bodies)):
+        if isinstance(bodies, (str, Body)) or not (bodies is None or is_iterable(bodies)):
             raise InvalidArgument(
                 f"disable_overlapping: bodies = {bodies!r}: must be a list of bodies; leave it out for all"
             )

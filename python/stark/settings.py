@@ -268,7 +268,7 @@ def _assign(core: _core.Settings, name: str, value: Any) -> None:
     _given_name(name)
     if isinstance(value, np.bool_):  # as comparisons of NumPy give it
         value = bool(value)
-    if isinstance(value, np.ndarray) and value.ndim == 0:
+    if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.isMaskedArray(value):
         value = value.item()  # np.array(0.01) is the number 0.01
     default = _defaults().get(_SHORT.get(name, name))
     if isinstance(value, str) and default is not None and not isinstance(default, str):

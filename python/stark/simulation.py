@@ -201,7 +201,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
                 raise StepFailed(report)
 
     def _step(
-        self, limit: float | None, progress: OnProgress | None, period: float = PROGRESS_PERIOD
+        self, limit: float | None, progress: OnProgress | None, period: float | None = None
     ) -> StepReport:
         self._warn_of_late_changes()
         self._warn_of_jumps()
@@ -209,10 +209,10 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
             limit = self._follow_motions(limit)
         for values in self._live_values:
             values.push(self._core)
-        before, self._loaded, self._taken = self._core.state, None, None
-        report = self._core.step(limit, progress, period)
+        before = self._core.state
+        report = self._core.step(limit, progress, PROGRESS_PERIOD if period is None else period)
         pushed = [values.pushed() for values in self._live_values]
-        self._taken = TakenStep(before, limit, report, pushed)
+        self._loaded, self._taken = None, TakenStep(before, limit, report, pushed)
         return report
 
     def _warn_of_late_changes(self) -> None:

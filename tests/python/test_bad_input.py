@@ -131,7 +131,11 @@ def simulate(scene: Any = None, *args: Any, **settings: Any) -> Any:
 def late_step(length: float) -> None:
     sim = simulate(lone_box(), time_step=0.01)
     sim.step()
-    sim.step(max_time_step=length)
+    taken = sim._taken
+    try:
+        sim.step(max_time_step=length)
+    finally:
+        assert sim._taken is taken
 
 
 @dataclass

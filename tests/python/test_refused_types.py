@@ -118,7 +118,7 @@ def recording(sim: stark.Simulation, tmp_path_factory: pytest.TempPathFactory) -
         (lambda sim: stark.replay.decode(None, 0, 0), "decode: replay = None: must be what encode returned"),
         (
             lambda sim: stark.mesh.SolidMesh(np.zeros((8, 3)), RAGGED),
-            r"elements: got the shape \(\): must be",
+            "elements: got no rows of equal length: must be",
         ),
         (lambda sim: stark.mesh.joined(NUMBER), "joined: got ndarray: must be a list of surfaces"),
         (

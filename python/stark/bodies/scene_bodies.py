@@ -6,6 +6,7 @@ import functools
 import inspect
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from stark import materials
@@ -348,7 +349,9 @@ class SceneBodies(SceneLink):
         title = _title("floor", options.get("name"))
         if options.get("motion", "fixed") == "fixed":
             _refuse_idle(title, options)
-        if "position" in options and not _is_zero(height):
+        if options.get("position") is None:
+            options.pop("position", None)
+        elif not _is_zero(height):
             raise InvalidArgument(
                 f"{title}: height = {height!r} m and position = {options['position']!r} are both given: give "
                 f"one of them"
@@ -456,7 +459,7 @@ def _refuse_idle(title: str, options: dict[str, Any]) -> None:
 
 
 def _is_zero(value: Any) -> bool:
-    return isinstance(value, (int, float)) and value == 0.0
+    return isinstance(value, (int, float, np.number)) and value == 0.0
 
 
 def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Any, Protocol
 
 from stark._core import InvalidArgument
-from stark.arguments import given_path, is_list, real_number
+from stark.arguments import given_path, is_iterable, real_number
 from stark.array_file import naming
 from stark.files import plain_name, resolved
 from stark.recording.export import chosen_frames, export, remove_earlier
@@ -24,7 +24,7 @@ from .shots import MOTION, Camera, Shot, check_fields, frames_of
 FORMATS = ("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "pc2", "parquet", "mcap")
 #: Without fields, and of one frame each.
 _PLAIN = ("ply", "obj")
-#: A file of each frame, with its number.
+#: A file of each frame, with its number, of those that are written here.
 _NUMBERED = ("vtu", "glb")
 #: The numbers of every step.
 _SERIES = ("parquet", "mcap")
@@ -86,7 +86,7 @@ class Exporter:
         if format not in _WITH_RATE and rate != _FPS:
             raise InvalidArgument(
                 f"export '{file}': fps = {fps!r}: must be left out: only USD and PC2 have frames a second; "
-                f"what is recorded has its time"
+                f"other formats keep the time of each frame"
             )
         self._writer: Writer | None = _writer(file, format, rate)
         self._count, self._last = 0, -float("inf")
@@ -215,7 +215,7 @@ def _format_of(path: Path) -> str:
 
 
 def _refuse_fields(fields: Sequence[str] | None, format: str) -> None:
-    if format in _WITHOUT_FIELDS and fields is not None and (not is_list(fields) or list(fields) != []):
+    if format in _WITHOUT_FIELDS and fields is not None and (not is_iterable(fields) or list(fields) != []):
         raise InvalidArgument(
             f"export: fields = {fields!r}: '{format}' has none: leave them out, or choose usd or vtkhdf"
         )

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import is_list
+from stark.arguments import is_iterable
 from stark.palette import Color, body_colors
 from stark.recording.format import Frame, FrameBody, drawn, surface
 from stark.render.camera import UP, up_of
@@ -62,9 +62,10 @@ def check_fields(names: Sequence[str], *, live: bool, recorded: Sequence[str] = 
     ``recorded``."""
     if isinstance(names, str):
         raise InvalidArgument(f"export: fields = '{names}': must be several names: ('{names}',)")
-    if not is_list(names) or not all(isinstance(name, str) for name in names):
+    chosen: tuple[Any, ...] = tuple(names) if is_iterable(names) else (names,)
+    if not all(isinstance(name, str) for name in chosen):
         raise InvalidArgument(f"export: fields = {names!r}: must be several names, such as ('speed',)")
-    for name in names:
+    for name in chosen:
         if name in recorded:
             continue
         if name in FIELDS and not live:
@@ -75,7 +76,7 @@ def check_fields(names: Sequence[str], *, live: bool, recorded: Sequence[str] = 
             )
         if name not in FIELDS and name not in MOTION:
             raise InvalidArgument(f"export: field '{name}': must be one of {_words([*MOTION, *FIELDS])}")
-    return tuple(dict.fromkeys(names))
+    return tuple(dict.fromkeys(chosen))
 
 
 class Camera:

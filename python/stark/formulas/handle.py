@@ -173,8 +173,9 @@ class Energy(Handle):
         named = [name for name in totals.names if name] if totals else []
         if not named:
             return known
-        slope = f"total_slopes['{named[0]}'] the derivative of the energy with respect to it"
-        return f"{known}; its totals are {', '.join(named)}, {slope}: of a gas, minus its pressure"
+        slope = f"total_slopes['{named[0]}'] is the derivative of the energy by it"
+        of_gas = "of a gas, minus its pressure over that outside [Pa]"
+        return f"{known}; its totals are {', '.join(named)}; {slope} ({of_gas})"
 
     def __repr__(self) -> str:
         return f"<stark.Energy '{self.name}' on {self.element_count} elements>"

@@ -82,7 +82,9 @@ class SceneJoints(SceneLink):
     def add_fixed(self, a: Side, b: Side, anchor: Vec3Like | None = None, **options: Any) -> Joint:
         """Welds b to a as they are at time 0. The reaction is given about ``anchor`` [m], the origin if left
         out."""
-        _refuse_axes("fixed", options, "holds both sides as they are; turn them where they are added")
+        _refuse_axes(
+            "fixed", options, "holds both sides as they are; give rotation= to the bodies when they are added"
+        )
         return self.add_joint("fixed", a, b, **_anchored(a, b, anchor), **options)
 
     def add_ball(self, a: Side, b: Side, anchor: Vec3Like | None = None, **options: Any) -> Joint:

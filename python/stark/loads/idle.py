@@ -19,10 +19,10 @@ def idle_load_warnings(energies: Iterable[Any]) -> list[str]:
     found = []
     for energy in energies:
         binding = energy._binding
-        if binding.name not in _LOADS or not _is_load(binding):
+        if binding.name not in _LOADS:
             continue
         reasons = [_held(column) for column in binding.columns]
-        if all(reasons):
+        if all(reasons) and _is_load(binding):
             what = ", ".join(dict.fromkeys(reason for reason in reasons if reason))
             found.append(
                 f"{binding.name.replace('_', ' ')} '{energy.name}' moves nothing: {what}: must act on what "
@@ -53,14 +53,14 @@ def idle_joint_warnings(core: Any, joints: Iterable[Any], actuators: Iterable[An
     for joint in joints:
         formula = joint._formula
         holds = bool(formula.groups) if formula.residuals is not None else joint.kind not in _MEASURES
-        if not holds or joint._index in driven:
+        if not holds or not joint._enabled_at_start or joint._index in driven:
             continue
         held = _prescribed(core, [joint])
         if held is not None:
             found.append(
-                f"joint '{joint.name}' holds nothing: {held}: must join bodies of which at least one moves "
-                f"freely; add it with motion='dynamic', or leave the joint out, as add_span and add_tilt "
-                f"measure without holding"
+                f"joint '{joint.name}' holds nothing: {held}: at least one of its bodies must move freely; "
+                f"add one with motion='dynamic', or leave the joint out; add_span and add_tilt measure "
+                f"without holding"
             )
     return found
 

@@ -42,6 +42,12 @@ def shape_of(values: ArrayLike) -> tuple[int, ...]:
         return ()
 
 
+def columns_of(table: ArrayLike) -> int:
+    """Entries in a row, 0 where rows differ in length."""
+    shape = shape_of(table)
+    return shape[1] if len(shape) == 2 else 0
+
+
 def indices_of(values: ArrayLike, columns: int, name: str) -> Indices:
     """A copy as (m, columns) integers."""
     refuse_masked(values, name)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stark import _core
 from stark._core import InvalidArgument, InvalidMesh
-from stark.arguments import given_flag, is_list, real_number, shown_value
+from stark.arguments import given_flag, is_iterable, real_number, shown_value
 from stark.mesh.arguments import Indices, Points, corners_of
 from stark.mesh.conversion import as_triangle_mesh
 from stark.mesh.repair import equal_rows, merged, oriented
@@ -22,7 +22,7 @@ Ints = NDArray[np.int64]
 def joined(surfaces: Any) -> TriangleMesh:
     """Several surfaces as one mesh, in the given order. Where they overlap, a mass that is made of a density
     counts their volume twice. Raises InvalidMesh for anything but a list of surfaces."""
-    if not is_list(surfaces):
+    if not is_iterable(surfaces):
         raise InvalidMesh(
             f"joined: got {type(surfaces).__name__}: must be a list of surfaces, joined([a, b])"
         )

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, TypeVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from stark import _core
 from stark._core import InvalidMesh
+from stark.mesh.arguments import columns_of
 from stark.mesh.types import EmbeddedMesh, Polyline, SolidMesh, TetMesh, TriangleMesh
 
 _Mesh = TypeVar("_Mesh", bound=TriangleMesh | TetMesh | SolidMesh)
@@ -58,18 +58,9 @@ def as_solid_mesh(mesh: Any, name: str) -> TetMesh | SolidMesh:
     if isinstance(mesh, SolidMesh):
         return mesh
     is_pair = isinstance(mesh, Sequence) and not isinstance(mesh, str) and len(mesh) == 2
-    if is_pair and _columns(mesh[1]) in (8, 10, 27):
+    if is_pair and columns_of(mesh[1]) in (8, 10, 27):
         return _named(name, SolidMesh, mesh[0], mesh[1])
     return as_tet_mesh(mesh, name)
-
-
-def _columns(table: Any) -> int:
-    """Number of entries in a row, 0 if the table has no rows of equal length."""
-    try:
-        shape = np.shape(table)
-    except ValueError:
-        return 0
-    return shape[1] if len(shape) == 2 else 0
 
 
 def as_polyline(mesh: Any, name: str) -> Polyline:

@@ -14,7 +14,16 @@ from stark._core import InvalidArgument, InvalidMesh
 from stark.arguments import given_path, nearest_hint, refuse_masked
 from stark.array_file import write_atomically
 from stark.attributes import AnsweredAttributes
-from stark.mesh.arguments import Indices, Points, corners_of, indices_of, numbers_of, points_of, shape_of
+from stark.mesh.arguments import (
+    Indices,
+    Points,
+    columns_of,
+    corners_of,
+    indices_of,
+    numbers_of,
+    points_of,
+    shape_of,
+)
 from stark.mesh.saving import WRITERS
 from stark.overloads import overload
 from stark.rotations import as_matrix, vector
@@ -218,12 +227,12 @@ class SolidMesh(MeshBase):
     elements: Indices
 
     def __init__(self, vertices: ArrayLike, elements: ArrayLike) -> None:
-        shape = shape_of(elements)
-        columns = shape[1] if len(shape) == 2 else 0
+        columns = columns_of(elements)
         if columns not in (4, 8, 10, 27):
+            shape = shape_of(elements)
+            got = f"the shape {shape}" if shape else "no rows of equal length"
             raise InvalidMesh(
-                f"SolidMesh: elements: got the shape {shape}: must be (m, k) with 4, 8, 10 or "
-                f"27 vertex indices each"
+                f"SolidMesh: elements: got {got}: must be (m, k) with 4, 8, 10 or 27 vertex indices each"
             )
         self.__dict__["vertices"] = points_of(vertices, "SolidMesh: vertices")
         self.__dict__["elements"] = indices_of(elements, columns, "SolidMesh: elements")

@@ -15,7 +15,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from ..arguments import given_path, is_list, shown_value
+from ..arguments import given_path, is_iterable, shown_value
 from ..array_file import naming, write_atomically
 from ..files import plain_name, printable
 from .format import Frame, RecordingError
@@ -182,7 +182,7 @@ def chosen_frames(recording: Recording, frames: Iterable[int] | None) -> list[in
     """Numbers of the frames that are exported, all if left out."""
     if frames is None:
         return list(range(len(recording)))
-    if isinstance(frames, (str, bytes, Mapping)) or not is_list(frames):
+    if isinstance(frames, (str, bytes, Mapping)) or not is_iterable(frames):
         raise RecordingError(
             f"export: frames = {shown_value(frames)}: must be numbers of frames, as [0, 2], or left out for "
             f"all"
@@ -206,7 +206,8 @@ def remove_earlier(stem: Path, suffix: str, written: Iterable[Path]) -> None:
         if path.name != f"{stem.name}_{number}.{suffix}" or not re.fullmatch(r"\d{6,}", number):
             continue
         if path not in kept and path.is_file() and not path.is_symlink():
-            path.unlink()
+            with naming(path):
+                path.unlink(missing_ok=True)
 
 
 def _write(data: bytes, file: BinaryIO) -> object:

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._core import InvalidArgument
-from ..arguments import given_word, is_list, shown_value
+from ..arguments import given_word, is_iterable, shown_value
 from ..array_file import DamageError, make_folder, read_arrays, write_arrays
 from .format import FIELDS, RecordingError, field_path
 
@@ -69,21 +69,22 @@ def check_given(sim: Any, scene: Any, version: Any, settings: Any, arrays: Any) 
             )
 
 
-def has_fields(fields: Any, arrays: Mapping[str, Arrays] | None) -> bool:
-    """Whether any are given, also such as are none: a FieldWriter refuses them."""
-    return bool(arrays) or not is_list(fields) or len(tuple(fields)) > 0
+def given_fields(fields: Any) -> tuple[str, ...]:
+    """Names of fields, none of None. Raises RecordingError for anything but a list of names."""
+    if isinstance(fields, str):
+        raise RecordingError(f"recording: fields = '{fields}': must be several names: ('{fields}',)")
+    names = () if fields is None else tuple(fields) if is_iterable(fields) else (fields,)
+    if not all(isinstance(name, str) for name in names):
+        raise RecordingError(
+            f"recording: fields = {shown_value(fields)}: must be several names, such as ('speed',)"
+        )
+    return names
 
 
 class FieldWriter:
     """Takes fields and contacts of a simulation, frame after frame."""
 
     def __init__(self, sim: Any, fields: Sequence[str], arrays: Mapping[str, Arrays], contacts: bool) -> None:
-        if isinstance(fields, str):
-            raise RecordingError(f"recording: fields = '{fields}': must be several names: ('{fields}',)")
-        if not is_list(fields) or not all(isinstance(name, str) for name in fields):
-            raise RecordingError(
-                f"recording: fields = {shown_value(fields)}: must be several names, such as ('speed',)"
-            )
         for title, function in arrays.items():
             if not isinstance(title, str) or not callable(function):
                 raise RecordingError(

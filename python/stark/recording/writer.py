@@ -19,7 +19,7 @@ from ..files import resolved
 from ..telemetry import SERIES, TelemetryWriter, _plain, digest_of_last, first_lines
 from . import chain
 from .chain import RowChain
-from .fields import Arrays, FieldWriter, check_given, has_fields, write_chunk
+from .fields import Arrays, FieldWriter, check_given, given_fields, write_chunk
 from .folder import drop_chunks_after, prepare, require_same_settings, tidy
 from .format import (
     CHUNK_FRAMES,
@@ -147,7 +147,8 @@ class Recorder:
         }
         self._states: StateWriter | None = None
         self._fields: FieldWriter | None = None
-        if has_fields(fields, arrays) or contacts:
+        fields = given_fields(fields)
+        if fields or arrays or contacts:
             self._fields = FieldWriter(sim, fields, arrays or {}, contacts)
             self._manifest["fields"] = self._fields.manifest
         self._telemetry: TelemetryWriter | None = None

@@ -14,7 +14,7 @@ import numpy as np
 
 from stark._core import TraceError
 from stark._core import symbolic as core
-from stark.arguments import is_list, shown_value
+from stark.arguments import is_iterable, shown_value
 from stark.overloads import overload
 from stark.symbolic.errors import TraceIndexError
 
@@ -41,7 +41,7 @@ def is_scalar_like(value: object) -> bool:
 
 def listed(values: object, what: str) -> list[Any]:
     """Parts of a list; TraceError calls anything else `what`."""
-    if isinstance(values, (str, bytes, Mapping)) or not is_list(values):
+    if isinstance(values, (str, bytes, Mapping)) or not is_iterable(values):
         raise TraceError(f"{what} = {shown_value(values)}: must be a list of scalars and numbers")
     return list(values)  # type: ignore[call-overload, no-any-return]
 

@@ -160,5 +160,6 @@ def test_what_makes_no_difference_to_a_floor_is_refused(options: dict[str, Any],
     with pytest.raises(stark.InvalidArgument, match=rule):
         scene.add_floor(2.0, **options)
     assert not scene.bodies
-    scene.add_floor(2.0, position=(0, 0, 1), linear_damping=0.0)
+    scene.add_floor(2.0, position=(0, 0, 1), linear_damping=np.float32(0), height=np.int64(0))
+    assert scene.add_floor(2.0, position=None, height=-1.0).position[2] == -1.0
     scene.add_floor(2.0, motion="dynamic", mass=1.0, linear_damping=0.1)

@@ -253,6 +253,6 @@ def test_who_looks_for_the_pressure_is_told_where_it_is() -> None:
     scene = stark.Scene()
     gas = scene.add_gas(scene.add_cloth(stark.mesh.sphere(0.1, 1)), name="air")
     with pytest.raises(
-        AttributeError, match=r"its totals are volume, total_slopes\['volume'\] .*minus its pressure"
+        AttributeError, match=r"its totals are volume; total_slopes\['volume'\] .*minus its pressure"
     ):
         _ = gas.pressure
