@@ -19,6 +19,9 @@ _BALANCE_ROUNDING = 1e-10
 #: start of a step contact may store this many times what it did at the end of the one before; beyond the
 #: second factor no stiffness explains it.
 _GROWTH, _IMPOSSIBLE_GROWTH = 100.0, 1e4
+#: Or as much more as this part of the kinetic energy, in a step that was retried and in any other (theory,
+#: section 5, "Failed steps" and "Deep impacts").
+_STIFFENED_RETRIED, _STIFFENED = 0.1, 0.01
 #: In recordings without the contact energy at the start of steps, those at their ends were taken before the
 #: last Newton iteration: how far they may be off.
 _CONTACT_ERROR = 0.01
@@ -191,7 +194,11 @@ def ledger_claim(run: Run) -> Claim:
             at_start = contact + imbalance
             off = max(-at_start, 0.0)
         # Stiffness may grow, but not out of nothing.
-        limits = [max(0.0, at_start - factor * contact) for factor in (_GROWTH, _IMPOSSIBLE_GROWTH)]
+        share = _STIFFENED_RETRIED if number(row, "rejected_steps") > 0.0 else _STIFFENED
+        stiffened = contact + share * number(before["energy"], "kinetic")
+        limits = [
+            max(0.0, at_start - max(factor * contact, stiffened)) for factor in (_GROWTH, _IMPOSSIBLE_GROWTH)
+        ]
         # Contact between other bodies than before, or where there was none.
         if row.get("placed") or (limits[0] > 0.0 and _came_back(run, index)):
             limits = [0.0, 0.0]

@@ -433,6 +433,30 @@ def test_tampered_telemetry(run: Path, change: Callable[[list[dict[str, Any]]], 
     assert certificate.exit_code == 1
 
 
+@pytest.mark.parametrize(
+    ("part", "rejected", "is_possible"),
+    [(0.09, 2, True), (0.11, 2, False), (0.009, 0, True), (0.011, 0, False)],
+)
+def test_stiffened_contact_may_store_a_part_of_the_kinetic_energy(
+    tmp_path: Path, part: float, rejected: int, is_possible: bool
+) -> None:
+    """Honest runs in which contact stored next to nothing before were called violated."""
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0, velocity=(1.0, 0, 0))
+    run = record(tmp_path / "run", scene, 4, time_step=0.01)
+
+    def stiffen(rows: list[dict[str, Any]]) -> None:
+        before, row = rows[2], rows[3]
+        assert before["energy"]["contact"] == row["contact_energy_at_start"] == 0.0
+        gained = part * before["energy"]["kinetic"]
+        row["contact_energy_at_start"] += gained
+        row["energy"]["numerical"] += gained
+        row["rejected_steps"] = rejected
+
+    edit_rows(run, stiffen)
+    assert (verify(run)["energy_ledger"].status == "verified") == is_possible
+
+
 def test_a_state_that_is_not_finite(run: Path) -> None:
     def spoil(array: np.ndarray, times: np.ndarray) -> None:
         array[3, 0, 0] = np.nan
