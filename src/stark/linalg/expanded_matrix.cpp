@@ -17,6 +17,7 @@ constexpr int32_t kNone = INT32_MAX;
 
 void ExpandedMatrix::expand_structure(const BlockPattern& pattern, std::span<const int32_t> order) {
   const int32_t n = block_count_ = pattern.block_count;
+  STARK_CHECK(pattern.column.size() <= UINT32_MAX / 2);  // 150 GB of blocks
   source_row_.assign(order.begin(), order.end());
   std::vector<int32_t> place(n);
   for (int32_t k = 0; k < n; ++k) place[source_row(k)] = k;
@@ -41,9 +42,9 @@ void ExpandedMatrix::expand_structure(const BlockPattern& pattern, std::span<con
       const int32_t j = place[pattern.column[slot]];
       const int64_t right = above_[place[i]] + (order_ == Above::Ascending ? slot - first : last - slot);
       column_[right] = j;
-      source_[right] = 2 * slot;
+      source_[right] = static_cast<uint32_t>(2 * slot);
       column_[below[j]] = place[i];
-      source_[below[j]++] = 2 * slot + 1;
+      source_[below[j]++] = static_cast<uint32_t>(2 * slot + 1);
     }
   }
 }
@@ -95,7 +96,7 @@ void ExpandedMatrix::copy_blocks(const BlockMatrix& matrix, int64_t begin, int64
   for (int64_t i = begin; i < end; ++i) {
     double* sum = diagonal_.data() + 9 * i;
     for (int64_t k = row_start_[i]; k < row_start_[i + 1]; ++k) {
-      const double* a = matrix.values.data() + 9 * (source_[k] >> 1);
+      const double* a = matrix.values.data() + 9 * static_cast<int64_t>(source_[k] >> 1);
       const bool is_transposed = (source_[k] & 1) != 0;
       copy_columns(a, is_transposed, blocks + 9 * k);
       if (sums) add_block(a, is_transposed, sum);

@@ -74,7 +74,7 @@ class ExpandedMatrix {
   std::vector<int32_t> source_row_;  // empty: as they are
   std::vector<int64_t> row_start_, above_;
   std::vector<int32_t> column_;
-  std::vector<int64_t> source_;  // 2 * slot + transposed
+  std::vector<uint32_t> source_;  // 2 * slot + transposed
   AlignedVector<double> blocks_;
   AlignedVector<float> blocks_float_;
   AlignedVector<double> diagonal_, inverse_;
