@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from .._core import InvalidArgument
-from ..arguments import given_flag, given_path
+from ..arguments import given_flag, given_path, given_task
 from ..files import printable, resolved
 from ..recording.lock import FolderLock
 from ..scenes import load, names
@@ -24,6 +24,8 @@ from .task import Task, entry_options, settled, tasks
 
 #: Called with the runs that are over, all runs, and the work done in runs (parts of those under way count).
 OnProgress = Callable[[int, int, float], None]
+
+_ON_PROGRESS = "a function of the runs that are over, all runs and the work done in runs"
 
 #: Files that a study writes of its results.
 CSV, PARQUET, PAGE = "table.csv", "table.parquet", "study.html"
@@ -112,7 +114,7 @@ class Study:
         end, and writes ``table.csv``. ``processes`` on this machine, by default one for each core; or on the
         Ray cluster at the address ``ray``."""
         count = _processes(processes, ray)
-        _require_callable(on_progress)
+        given_task(on_progress, "study: on_progress", _ON_PROGRESS)
         retry_failed = given_flag(retry_failed, "study: retry_failed")
         made = self._tasks()
         lock: FolderLock = self._files.lock()
@@ -182,7 +184,7 @@ def run(
     already are kept: a plan may be extended. The table is that of this plan; results of runs that it does not
     have stay in the folder (``Study.other_results``). Arguments as those of ``Study.resume``."""
     _processes(processes, ray)
-    _require_callable(on_progress)
+    given_task(on_progress, "study: on_progress", _ON_PROGRESS)
     given = plan if isinstance(plan, Plan) else Plan.read(plan)
     files, scene_file = StudyFolder(out), load(given.scene)
     made = settled(given, scene_file)
@@ -207,14 +209,6 @@ def resume(
     """Goes on with the study in ``folder``, see ``Study.resume``."""
     study = Study(folder, scene=scene)
     return study.resume(processes=processes, ray=ray, retry_failed=retry_failed, on_progress=on_progress)
-
-
-def _require_callable(on_progress: OnProgress | None) -> None:
-    if on_progress is not None and not callable(on_progress):
-        raise InvalidArgument(
-            f"study: on_progress = {on_progress!r}; must be a function of the runs that are over, all runs "
-            f"and the work done in runs, or None"
-        )
 
 
 def _processes(processes: int | None, ray: str | None) -> int:
