@@ -141,6 +141,7 @@ def steps_that_nobody_takes():
 def test_a_warning_points_to_the_line_of_the_user(program, count):
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
+        warnings.simplefilter("ignore", ResourceWarning)  # of whatever is collected meanwhile
         program()
     lines = range(
         program.__code__.co_firstlineno, max(line for *_, line in program.__code__.co_lines() if line) + 1

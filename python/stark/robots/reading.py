@@ -68,8 +68,9 @@ def _folders(packages: Mapping[str, str | os.PathLike[str]] | None) -> dict[str,
 
 def _root_of(file: Path) -> str:
     try:
-        for _, element in ElementTree.iterparse(file, events=("start",)):
-            return str(element.tag)
+        with file.open("rb") as stream:
+            for _, element in ElementTree.iterparse(stream, events=("start",)):
+                return str(element.tag)
     except OSError as error:
         raise InvalidArgument(
             f"'{file}': {error.strerror or error}: must be a URDF, MJCF or USD file; check the path"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -123,6 +125,18 @@ def test_threads_that_read_leave_no_handler_of_warnings(tmp_path: Path) -> None:
     with ThreadPoolExecutor(4) as pool:
         list(pool.map(lambda _: stark.robots.read(file), range(40)))
     assert mujoco.get_mju_user_warning() is None
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="lists open files as Linux does")
+def test_reading_leaves_no_file_open(tmp_path: Path) -> None:
+    file = written_mjcf(tmp_path, f'<body name="a">{BODY}</body>')
+    gc.disable()
+    try:
+        stark.robots.read(file)
+        opened = {os.path.realpath(entry) for entry in Path("/proc/self/fd").iterdir()}
+    finally:
+        gc.enable()
+    assert str(file.resolve()) not in opened
 
 
 def test_a_file_with_a_nan_leaves_no_log(
