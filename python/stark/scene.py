@@ -78,6 +78,7 @@ class Scene(
         self._core = RecordedScene()
         self._bodies = []
         self._ghosts = []
+        self._sizeless_floors = []
         self._energies: list[Energy] = []
         self._joints = []
         self._actuators, self._listed_actuators = [], ([], {})

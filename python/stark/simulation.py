@@ -16,6 +16,7 @@ from stark._core import InvalidArgument, State, StepReport
 from stark.arguments import added_later, given_path, real_number, refuse_copy
 from stark.attributes import AnsweredAttributes
 from stark.bodies import Body, Layer
+from stark.bodies.floor_edges import FloorEdges
 from stark.bodies.following import limit_of_turns
 from stark.bodies.rest_state import LiveRestState, RestState
 from stark.bodies.sensors import ClosestPoints, Contacts, FreePath, contacts_of, free_path_of
@@ -140,6 +141,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         self._live_values += [
             LiveRestState(body) for body in scene.bodies if isinstance(body, RestState) and body._rest_values
         ]
+        self._edges = FloorEdges(scene._sizeless_floors, scene._bodies, self._core)
         self._held: tuple[str, str, bool] | None = None
         self._is_asking = False  # functions of time for the targets of a step that begins
         self._loaded: LastStep | None = None
@@ -149,9 +151,9 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
 
     def contact_distance(self, body: Body | str) -> float:
         """[m] Within which surfaces of the body repel others, together with theirs: its own, that of the
-        settings, or (``contact.distance`` 0) 1 mm, but at most 1 % of the size of the body and half the
-        smallest height of triangles that can touch their own body. Triangles flatter than that take it no
-        lower than a tenth of the rest, and a warning says so."""
+        settings, or (``contact.distance`` 0) 1 mm, but at most 1 % of the size of the body and half the least
+        height of triangles that can touch their own body; flat ones, of which a warning tells, take it no
+        lower than a tenth of the rest."""
         return self._scene._core.contact_distance_in(self[body]._index, self._settings._core)
 
     # --- stepping ---
@@ -178,8 +180,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         there. ``progress`` is that of ``step``.
 
         A failed step is yielded as well; going on after it raises StepFailed. Steps are taken as the loop
-        asks for them: without a loop there are none, and a StarkWarning says so.
-        """
+        asks for them: without a loop there are none, and a StarkWarning says so."""
         require_callable(progress, "run")
         end = real_number(until, "run: until")
         if not end >= 0.0:  # also NaN
@@ -213,6 +214,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         report = self._core.step(limit, progress, PROGRESS_PERIOD if period is None else period)
         pushed = [values.pushed() for values in self._live_values]
         self._loaded, self._taken = None, TakenStep(before, limit, report, pushed)
+        self._edges.look(self._core)
         return report
 
     def _warn_of_late_changes(self) -> None:
@@ -274,8 +276,8 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
     def placing(self) -> Iterator[None]:
         """Places bodies together: ``with sim.placing(): a.position = ...; b.position = ...``. What is
         assigned in the block holds at once, and is checked at its end instead of one by one: so bodies may
-        change places, or move with what they are joined to. Where surfaces meet then, or a joint does not
-        hold, it raises, and everything is as it was before the block; likewise where the block raises."""
+        change places, or move with what they are joined to. Where surfaces meet then, a joint does not hold,
+        or the block raises, it raises, and everything is as it was before the block."""
         with placed_together(self._to_place("placing()")):
             yield
 
@@ -474,10 +476,8 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         """How far a body can be moved along ``displacement`` (3,) [m], without turning, before its surface
         meets another one, all others where they are now: ``fraction`` of the displacement that is certainly
         free, at most a millionth below the true one, and the name of the body that is ``blocking``, None
-        where nothing is. Bodies whose contact is disabled count; of rods it is the centre line. Nothing is
-        moved."""
-        shift = vector(displacement, "free_path: displacement")
-        return free_path_of(self, self[body]._index, shift)
+        where nothing is. Bodies whose contact is disabled count; of rods it is the centre line."""
+        return free_path_of(self, self[body]._index, vector(displacement, "free_path: displacement"))
 
     @property
     def close_bodies(self) -> dict[tuple[str, str], float]:

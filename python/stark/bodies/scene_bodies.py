@@ -24,7 +24,7 @@ from stark.rotations import Vec3Like, as_matrix
 from stark.surfaces import Surface
 
 _ZERO = (0.0, 0.0, 0.0)
-
+_FLOOR_SIZE = 4.0  # [m]
 
 #: What other simulators call arguments of rigid bodies, and where they are here.
 _OTHER_WORDS = {
@@ -46,6 +46,7 @@ class SceneBodies(SceneLink):
 
     _bodies: list[Body]
     _ghosts: list[Body]  # touch nothing, whatever is added
+    _sizeless_floors: list[Body]  # whose size nobody has chosen
 
     # --- deformable bodies ---
 
@@ -341,11 +342,12 @@ class SceneBodies(SceneLink):
         ``add_rigid``."""
         return self._add_shape("capsule", meshes.capsule(radius, height, segments), options)
 
-    def add_floor(self, size: float = 4.0, *, height: float = 0.0, **options: Any) -> RigidBody:
-        """Fixed square of two triangles in the plane z = ``height`` [m], ``size`` [m] along x and y, seen
-        from above; ``options`` as in ``add_rigid``, for instance friction=0.3. What lies on it must not
-        stick out of it: bodies fall off its edge. Raises InvalidArgument for numbers out of range, and for
-        what makes no difference to a floor, such as a mass."""
+    def add_floor(self, size: float | None = None, *, height: float = 0.0, **options: Any) -> RigidBody:
+        """Fixed square of two triangles in the plane z = ``height`` [m], ``size`` [m] (4 m) along x and y,
+        seen from above; ``options`` as in ``add_rigid``, for instance friction=0.3. What lies on it must not
+        stick out of it: bodies fall off its edge, and if ``size`` is not given, a StarkWarning says so.
+        Raises InvalidArgument for numbers out of range, and for what makes no difference to a floor, such as
+        a mass."""
         title = _title("floor", options.get("name"))
         if options.get("motion", "fixed") == "fixed":
             _refuse_idle(title, options)
@@ -357,7 +359,11 @@ class SceneBodies(SceneLink):
                 f"one of them"
             )
         options = {"motion": "fixed", "position": (0.0, 0.0, height), **options}
-        return self._add_shape("floor", meshes.grid(size, size, 1), options)
+        side = _FLOOR_SIZE if size is None else size
+        floor = self._add_shape("floor", meshes.grid(side, side, 1), options)
+        if size is None:
+            self._sizeless_floors.append(floor)
+        return floor
 
     # --- details ---
 
