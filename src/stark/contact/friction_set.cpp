@@ -218,52 +218,55 @@ std::vector<FrictionSet::Pair> FrictionSet::make_pairs(const std::vector<Contact
 
 void FrictionSet::renew(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                         const FrictionTable& coefficient, std::span<const Vec3> x, Lagged lagged) {
-  pairs_ = make_pairs(contacts, forces, coefficient, x);
+  std::vector<Pair> pairs = make_pairs(contacts, forces, coefficient, x);
   if (lagged == Lagged::FromStart)
-    std::erase_if(pairs_, [&](const Pair& pair) { return !touching_.contains(bodies_of(pair)); });
-  next_start_.reset();
-  sort_by_point_count();
+    std::erase_if(pairs, [&](const Pair& pair) { return !touching_.contains(bodies_of(pair)); });
+  freeze(std::move(pairs));
 }
 
 double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                           const FrictionTable& coefficient, std::span<const Vec3> x) {
   std::vector<Pair> next = make_pairs(contacts, forces, coefficient, x);
+  if (++resets_ == 1) return start(std::move(next));
   const std::vector<FrictionLimit> before = limits(pairs_), now = limits(next);
   const LimitComparison comparison(before, now);
-  if (resets_ == 0) {
-    touching_.clear();
-    arms_at_start_.clear();
-    for (const Pair& pair : next) {
-      touching_.insert(bodies_of(pair));
-      arms_at_start_.append(pair.contact.key, pair.stencil.arm);
-    }
-  }
-  ++resets_;
-  if (comparison.is_settled() && resets_ > 1) {
+  if (comparison.is_settled()) {
     // The solution is one with the friction that it was found with; where the next step starts from is new.
     next_start_ = std::move(next);
     return 0.0;
   }
-  const double share = shares_.next(before, now, resets_ <= kPlainResets);
+  // Of those that go all of the way, the last one is what the next is compared with.
+  const double share = resets_ < kPlainResets ? 1.0 : shares_.next(before, now, resets_ == kPlainResets);
   if (share != 1.0) {
     // Limits that go back and forth between two solutions meet in the middle. Places that one of them lacks
     // are left out: what is left of their limits would fade over more refreshes than there are.
     const std::vector<double> damped = damped_limits(before, now, share);
     for (size_t k = 0; k < next.size(); ++k) next[k].limit = damped[k];
   }
-  previous_ = std::exchange(pairs_, std::move(next));
-  next_start_.reset();
-  sort_by_point_count();
+  previous_ = std::move(pairs_);
+  freeze(std::move(next));
   return comparison.total().largest_change;
 }
 
-void FrictionSet::restore() {
-  pairs_ = std::move(kept_);
-  next_start_.reset();
-  sort_by_point_count();
+double FrictionSet::start(std::vector<Pair> pairs) {
+  touching_.clear();
+  arms_at_start_.clear();
+  double largest = 0.0;
+  for (const Pair& pair : pairs) {
+    touching_.insert(bodies_of(pair));
+    arms_at_start_.append(pair.contact.key, pair.stencil.arm);
+    largest = std::max(largest, pair.limit);
+  }
+  previous_ = std::move(pairs_);
+  freeze(std::move(pairs));
+  return largest;
 }
 
-void FrictionSet::sort_by_point_count() {
+void FrictionSet::restore() { freeze(std::move(kept_)); }
+
+void FrictionSet::freeze(std::vector<Pair> pairs) {
+  pairs_ = std::move(pairs);
+  next_start_.reset();
   for (auto& members : members_) members.clear();
   for (size_t i = 0; i < pairs_.size(); ++i)
     members_[pairs_[i].stencil.point_count - 2 + (pairs_[i].is_anisotropic ? FrictionPotentials::kCounts : 0)]

@@ -71,9 +71,10 @@ class FrictionSet {
   /// Freezes friction at the contacts with their forces on sides A, at site positions x. Returns the largest
   /// change of a friction limit mu lambda [N]; 0 when all are within 0.1 % of the largest and 1 % of the
   /// largest between the same bodies. After the first call in a step, only what end_step() remembers changes
-  /// then: the solution is the one with the friction that it was found with. The first call takes the normal
-  /// forces of pairs in the memory from there. From the third one on, pairs keep their tangent planes and
-  /// closest points: near an impact, turning planes keep friction from settling.
+  /// then: the solution is the one with the friction that it was found with. The first call returns the
+  /// largest limit, and takes the normal forces of pairs in the memory from there. From the third one on,
+  /// pairs keep their tangent planes and closest points: near an impact, turning planes keep friction from
+  /// settling.
   double reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                const FrictionTable& coefficient, std::span<const Vec3> x);
   /// Takes all of it anew between two calls of reset(), however little it changes, or that of bodies that had
@@ -179,7 +180,9 @@ class FrictionSet {
   void set_model(size_t batch, int64_t element, std::span<const Vec3> x);
   /// What LimitComparison sees of pairs.
   static std::vector<FrictionLimit> limits(const std::vector<Pair>& pairs);
-  void sort_by_point_count();
+  /// Freezes the pairs of the first reset of a step. Returns their largest limit [N].
+  double start(std::vector<Pair> pairs);
+  void freeze(std::vector<Pair> pairs);
   static std::vector<const PotentialBatch*> non_empty(const std::vector<PotentialBatch>& batches);
   void fill(std::vector<PotentialBatch>& batches) const;
   void set_fields(const Pair& pair, const Fields& fields, int64_t e, PotentialBatch& batch) const;

@@ -35,6 +35,11 @@ std::vector<double> GroupMargins::wide(const PairFilter& filter, std::span<const
   for (int32_t g = 0; g < count; ++g) margin[g] = filter.allowed(g, g) ? least_[g] : most(g);
   // How far two groups may move together; each has half of it, if that is enough for the other.
   const auto narrow = [&](int32_t a, int32_t b) {
+    const double reach =
+        distance_[a] + distance_[b] +
+        2.0 * (1.0 + detail::kSpareMotion) * std::max({margin[a], margin[b], least_[a], least_[b]});
+    const double apart = std::max(gap_along(bounds[a], bounds[b], 1), gap_along(bounds[a], bounds[b], 2));
+    if (apart * (1.0 - kRounding) > reach * (1.0 + kRounding)) return;  // half is enough for both
     if (!filter.allowed(a, b)) return;
     const double spare = gap_of(bounds[a], bounds[b]) * (1.0 - kRounding) - distance_[a] - distance_[b];
     const double both = spare / (1.0 + detail::kSpareMotion);

@@ -358,12 +358,13 @@ double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
 }
 
 void ContactPipeline::keep_names() {
-  const std::vector<PairKey> before = names_;
+  std::vector<PairKey> now, all;  // sorted, as contacts are
   for (const Contact& contact : contacts())
-    if (is_name(contact.key)) names_.push_back(contact.key);
-  std::ranges::sort(names_);
-  names_.erase(std::ranges::unique(names_).begin(), names_.end());
-  if (names_ != before) is_active_ = is_trial_ = false;
+    if (is_name(contact.key)) now.push_back(contact.key);
+  if (std::ranges::includes(names_, now)) return;
+  std::ranges::set_union(names_, now, std::back_inserter(all));
+  names_ = std::move(all);
+  is_active_ = is_trial_ = false;
 }
 
 ContactPipeline::Approach ContactPipeline::approach(std::span<const Vec3> x0, std::span<const Vec3> x1) {

@@ -65,10 +65,10 @@ void PotentialBatch::copy_padding(int64_t element, int offset) {
 void PotentialBatch::set(int field, int64_t element, std::span<const double> values) {
   const ElementField& f = potential_->element_fields()[field];
   STARK_CHECK(static_cast<int>(values.size()) == f.width);
-  for (int c = 0; c < f.width; ++c) {
-    *lane(element, f.offset + c) = values[c];
-    copy_padding(element, f.offset + c);
-  }
+  double* const first = lane(element, f.offset);
+  for (int c = 0; c < f.width; ++c) first[c * kLanes] = values[c];
+  if (element < size_ - 1) return;
+  for (int c = 0; c < f.width; ++c) copy_padding(element, f.offset + c);
 }
 
 double PotentialBatch::get(int field, int64_t element, int c) const {
