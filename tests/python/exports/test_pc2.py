@@ -58,15 +58,23 @@ def test_a_character_follows_a_cache(tmp_path: Path) -> None:
     np.testing.assert_allclose(body.positions, seen[4], atol=1e-7)
 
 
-def test_records_at_uneven_times_are_refused(tmp_path: Path) -> None:
-    sim = _hanging()
-    with (
-        pytest.raises(stark.InvalidArgument, match="must be evenly spaced; record at equal times"),
-        Exporter(tmp_path / "drape.pc2", sim) as out,
-    ):
-        for pause in (1, 1, 2):
+def test_records_at_uneven_times_become_even_frames(tmp_path: Path) -> None:
+    """As those of runs whose steps do not divide their end, or some of whose steps were halved."""
+    sim, seen = _hanging(), []
+    with Exporter(tmp_path / "drape.pc2", sim, fps=25.0) as out:
+        for pause in (2, 2, 3, 2, 1, 0):
+            seen.append(sim.bodies[1].positions.copy())  # type: ignore[attr-defined]
             out.record(sim)
             for _ in range(pause):
                 sim.step()
-        out.record(sim)
-    assert not list(tmp_path.iterdir())
+    data = (tmp_path / "drape_cloth.pc2").read_bytes()
+    start, rate, count = struct.unpack_from("<ffi", data, 20)
+    assert (start, count) == (0.0, 6) and rate == pytest.approx(1.0), "frames of 0 to 0.2 s"
+    rows = np.frombuffer(data, "<f4", offset=32).reshape(6, 15, 3)
+    expected = [
+        *seen[:3],
+        seen[2] + 2 / 3 * (seen[3] - seen[2]),
+        seen[3] + 0.5 * (seen[4] - seen[3]),
+        seen[5],
+    ]
+    np.testing.assert_allclose(rows, expected, atol=1e-7)
