@@ -20,7 +20,7 @@ VERBS: dict[str, str] = {
     "replay": "write the replay page of a recording",
     "still": "write a picture of a recording",
     "video": "write an mp4 of a recording",
-    "export": "write a recording as USD, VTKHDF, VTU, glTF, PLY, OBJ, Parquet or MCAP",
+    "export": "write a recording as USD, VTKHDF, VTU, glTF, PC2, PLY, OBJ, Parquet or MCAP",
     "verify": "check a recording and write a certificate",
     "info": "list scenes, or describe a scene, a recording or a checkpoint",
     "doctor": "show what this machine and installation offer",

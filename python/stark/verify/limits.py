@@ -194,4 +194,8 @@ def _attached(run: Run) -> Iterator[str]:
 
 def _formulas(run: Run) -> Iterator[str]:
     if names := [str(name) for name in run.scene["energies"]]:
-        yield f"energies of the user are taken as reported: {', '.join(map(repr, names[:_NAMED]))}"
+        more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+        yield (
+            f"energies of loads, of seams and of the user are taken as reported: "
+            f"{', '.join(map(repr, names[:_NAMED]))}{more}"
+        )

@@ -127,6 +127,16 @@ def test_states_take_24_bytes_a_vertex_those_of_free_sheets_48(
     assert size == pytest.approx(expected * 41 * 41 * 11, rel=0.01)
 
 
+def test_loads_are_not_taken_for_formulas_of_the_user(tmp_path: Path) -> None:
+    scene = stark.Scene()
+    for k in range(10):
+        scene.add_force(scene.add_box(0.1, mass=1.0, position=(k, 0, 0)), (0, 0, 1), name=f"wind {k}")
+    limits = verify(record(tmp_path / "run", scene, 1, time_step=0.01)).limits
+    (limit,) = [text for text in limits if "taken as reported" in text]
+    assert limit.startswith("energies of loads, of seams and of the user are taken as reported: 'wind 0', ")
+    assert limit.endswith("'wind 7' and 2 more")
+
+
 def test_the_guide_names_every_claim(sheet: Path) -> None:
     guide = (ROOT / "docs/verify.md").read_text(encoding="utf-8")
     for claim in verify(sheet).claims:
