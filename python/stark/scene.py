@@ -20,6 +20,7 @@ from stark.bodies.locking import thin_warnings
 from stark.bodies.restitution import RestitutionTable
 from stark.bodies.rings import ring_warnings
 from stark.bodies.scene_bodies import SceneBodies
+from stark.bodies.strained import strained_warnings
 from stark.bodies.unfolding import unfolding_warnings
 from stark.bodies.unjoined import unjoined_warnings
 from stark.handle import Follower
@@ -207,6 +208,7 @@ class Scene(
             *self._unused_warnings(),
             *thin_warnings(self._bodies, self._energies, self._attachments),
             *unfolding_warnings(self._bodies),
+            *strained_warnings(self._bodies),
             *joined_ends_warnings(self._core, self._joints, settings),
             *ring_warnings(self._bodies, self._joints, self._attachments),
             *unjoined_warnings(self._bodies, self._energies, self._attachments, self._joints, self._layers),
