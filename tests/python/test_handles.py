@@ -76,6 +76,10 @@ def weight(p: stark.Point):
         (lambda s: setattr(s.layers[0], "colour", (1, 0, 0)), "'colour'; did you mean 'color'"),
         (lambda s: setattr(s["crate"], "mass", 3.0), "mass can be read, not assigned: write mass= where the"),
         (lambda s: setattr(s["sheet"], "pins", [1]), r"pins can be read, .* or body\.pin\(vertices\)"),
+        (
+            lambda s: s["sheet"].unpin(),
+            r"write scene\.attach\(.*None\) in place of pins, which hold for good",
+        ),
         (lambda s: setattr(s, "time_step", 0.1), r"write stark\.Simulation\(scene, time_step=\.\.\.\)"),
         (lambda s: setattr(s, "dt", 0.1), "no attribute 'dt': write sim.time_step"),
     ],

@@ -52,6 +52,10 @@ def test_huge_targets_are_refused(sim: stark.Simulation) -> None:
         sheet.follow(displacement=lambda t: HUGE)
     with pytest.raises(stark.InvalidArgument, match=r"'sheet': targets at 0 s\[0\] = .*beyond 1e150"):
         sheet.follow(lambda t: [HUGE, HUGE])
+    with pytest.raises(
+        stark.InvalidArgument, match=r"has the shape \(2, 3\): must be three .*follow targets"
+    ):
+        sheet.follow(displacement=lambda t: [(0, 0, 0), (0, 0, 1)])
     tool.follow(position=lambda t: HUGE if t > 0.0 else (0, 0, -1))
     with pytest.raises(stark.InvalidArgument, match=r"'tool': position at .* s = .*beyond 1e150"):
         sim.step()

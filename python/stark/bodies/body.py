@@ -74,6 +74,11 @@ class Body(ContactSensors, AnsweredAttributes):
         **dict.fromkeys(
             ("fix", "fixed", "pinned"), "pins= where the body is added; rigid bodies have motion='fixed'"
         ),
+        **dict.fromkeys(
+            ("unpin", "unfix", "release"),
+            "scene.attach(body.vertices[[0]], None) in place of pins, which hold for good; enabled = False "
+            "of the attachment lets go",
+        ),
     }
 
     _given_by: ClassVar[Mapping[str, str]] = {
@@ -83,7 +88,8 @@ class Body(ContactSensors, AnsweredAttributes):
         "name": "name= where the body is added",
         "motion": "motion= where the body is added, scene.add_box(..., motion='scripted')",
         **dict.fromkeys(("contact_distance", "contact_stiffness"), "it where the body is added, as argument"),
-        "pins": "pins= where the body is added, or body.pin(vertices)",
+        "pins": "pins= where the body is added, or body.pin(vertices); pins hold for good, what "
+        "scene.attach(body.vertices[[0]], None) holds is let go by enabled = False",
         "contact_force": "scene.add_force(body, (0, 0, 1.0)) [N], before the simulation",
     }
 

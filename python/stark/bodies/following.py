@@ -139,7 +139,14 @@ class PinFollower:
         places = self.center + (start - self.center) @ self.turn(time).T
         if self.displacement is None:
             return places
-        return places + vector(self.displacement(time), f"{owner}: displacement at {time:g} s")
+        moved = self.displacement(time)
+        if np.ndim(moved) > 1:
+            raise InvalidArgument(
+                f"{owner}: displacement at {time:g} s has the shape {np.shape(moved)}: must be three numbers "
+                f"[m], as it moves all pins alike; pins that move apart follow targets, as by "
+                f"follow(lambda t: start + moved(t)), positions of them all"
+            )
+        return places + vector(moved, f"{owner}: displacement at {time:g} s")
 
     def jump(self) -> str:
         """What is wrong with a motion that does not start where the pins are; else empty."""
