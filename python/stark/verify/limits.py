@@ -179,16 +179,21 @@ def _placed(run: Run) -> Iterator[str]:
 
 
 def _attached(run: Run) -> Iterator[str]:
+    found: dict[str, list[tuple[str, int]]] = {}  # by what is said of them: names and numbers of points
     for attachment in run.scene["attachments"]:
         if "patches" not in attachment and all(b.get("body") is None for b in attachment["b"]):
             continue  # to the world, which has no surface
-        name = attachment.get("name", "")
-        count = pair_count(attachment)
         others = {attachment.get("patch_body"), *(b.get("body") for b in attachment["b"])}
-        near = "what is near what " if others - {None} == {attachment["a"].get("body")} else "what "
+        near = "what is near what" if others - {None} == {attachment["a"].get("body")} else "what"
+        found.setdefault(near, []).append((str(attachment.get("name", "")), pair_count(attachment)))
+    for near, attachments in found.items():
+        count = sum(points for _, points in attachments)
+        names = ", ".join(f"'{name}'" for name, _ in attachments[:_NAMED])
+        more = f" and {len(attachments) - _NAMED} more" if len(attachments) > _NAMED else ""
         yield (
-            f"attachment '{name}': {count} point{'s' if count != 1 else ''} not looked at against {near}"
-            f"carries {'them' if count != 1 else 'it'}"
+            f"attachment{'s' if len(attachments) != 1 else ''} {names}{more}: {count} "
+            f"point{'s' if count != 1 else ''} not looked at against {near} carries "
+            f"{'them' if count != 1 else 'it'}"
         )
 
 

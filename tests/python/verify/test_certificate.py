@@ -137,6 +137,20 @@ def test_loads_are_not_taken_for_formulas_of_the_user(tmp_path: Path) -> None:
     assert limit.endswith("'wind 7' and 2 more")
 
 
+def test_attachments_share_a_limit(tmp_path: Path) -> None:
+    """A net has one for each of its knots."""
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.2, 0.1, cells=(10, 2)), name="sheet")
+    scene.attach(sheet.vertices[[11]], None, name="to the world, which has no surface")
+    for k in range(10):
+        plate = scene.add_box(0.01, mass=0.01, position=sheet.positions[k] + (0, -0.005, 0))
+        scene.attach(sheet.vertices[[k]], plate, name=f"knot {k}")
+    limits = verify(record(tmp_path / "run", scene, 1, time_step=0.01)).limits
+    (limit,) = [text for text in limits if text.startswith("attachment")]
+    assert limit.startswith("attachments 'knot 0', 'knot 1', ")
+    assert limit.endswith("'knot 7' and 2 more: 10 points not looked at against what carries them")
+
+
 def test_the_guide_names_every_claim(sheet: Path) -> None:
     guide = (ROOT / "docs/verify.md").read_text(encoding="utf-8")
     for claim in verify(sheet).claims:
