@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from stark._core import InvalidArgument
 from stark.array_file import write_atomically
 from stark.files import plain_name
 from stark.point_cache import header
 
 from .shots import Shot
 
+_MOST_FRAMES = 100  # for a shot
 _EVEN = 1e-3  # by which times may miss those of even frames, over the time between two of them
 
 
@@ -37,7 +39,7 @@ class Pc2Writer:
 
     def finish(self) -> list[Path]:
         """Writes the files."""
-        start, step, places = _even(self._times)
+        start, step, places = self._even()
         files: list[Path] = []
         for name, frames in zip(self._names, self._frames, strict=True):
             file = self._path.with_name(f"{self._path.stem}_{plain_name(name, 'body')}.pc2")
@@ -54,20 +56,26 @@ class Pc2Writer:
     def abandon(self) -> None:
         """Nothing has been written yet."""
 
-
-def _even(times: list[float]) -> tuple[float, float, list[float]]:
-    """The first of frames at equal times and the time between them [s], and where each is among the shots:
-    1.5 is half-way between the second and the third. The last frame is at the last shot, or by less than
-    the time between two frames before it."""
-    if len(times) < 2:
-        return (times[0] if times else 0.0), 0.0, [float(k) for k in range(len(times))]
-    step = times[1] - times[0]
-    if np.abs(np.diff(times) - step).max() <= _EVEN * step:
-        return times[0], step, [float(k) for k in range(len(times))]
-    step = float(np.median(np.diff(times)))
-    count = int((times[-1] - times[0]) / step + _EVEN) + 1
-    frames = times[0] + step * np.arange(count)
-    return times[0], step, [float(place) for place in np.interp(frames, times, np.arange(len(times)))]
+    def _even(self) -> tuple[float, float, list[float]]:
+        """The first of frames at equal times and the time between them [s], and where each is among the
+        shots: 1.5 is half-way between the second and the third. The last frame is at the last shot, or by
+        less than the time between two frames before it. Raises InvalidArgument if they would be too many."""
+        times = self._times
+        if len(times) < 2:
+            return (times[0] if times else 0.0), 0.0, [float(k) for k in range(len(times))]
+        step = times[1] - times[0]
+        if np.abs(np.diff(times) - step).max() <= _EVEN * step:
+            return times[0], step, [float(k) for k in range(len(times))]
+        step = float(np.median(np.diff(times)))
+        count = int((times[-1] - times[0]) / step + _EVEN) + 1
+        if count > _MOST_FRAMES * len(times):
+            raise InvalidArgument(
+                f"export '{self._path}': frames at equal times would be {count} of {len(times)} records, "
+                f"most of which are {step:.3g} s apart: must be at most {_MOST_FRAMES} for a record; record "
+                f"at equal times"
+            )
+        frames = times[0] + step * np.arange(count)
+        return times[0], step, [float(place) for place in np.interp(frames, times, np.arange(len(times)))]
 
 
 def _at(frames: list[bytes], place: float) -> bytes:

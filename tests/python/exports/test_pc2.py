@@ -78,3 +78,17 @@ def test_records_at_uneven_times_become_even_frames(tmp_path: Path) -> None:
         seen[5],
     ]
     np.testing.assert_allclose(rows, expected, atol=1e-7)
+
+
+def test_too_many_even_frames_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stark.exports.pc2._MOST_FRAMES", 2)
+    sim = _hanging()
+    with (
+        pytest.raises(stark.InvalidArgument, match=r"be 13 of 4 records, most of which are 0\.02 s apart"),
+        Exporter(tmp_path / "drape.pc2", sim, fps=25.0) as out,
+    ):
+        for pause in (1, 1, 10, 0):
+            out.record(sim)
+            for _ in range(pause):
+                sim.step()
+    assert not list(tmp_path.iterdir())
