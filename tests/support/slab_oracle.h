@@ -1,4 +1,4 @@
-// Which pairs the slab of a triangle that is large beside the other's group may keep apart, in double
+// Which pairs the slabs of a triangle that is large beside the other's group may keep apart, in double
 // precision: see collision/slab.h.
 #pragma once
 
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <stark/collision/candidates.h>
+#include <stark/collision/slab.h>
 
 namespace stark::test {
 
@@ -52,15 +53,20 @@ class SlabOracle {
       const bool holds =
           std::ranges::all_of(a, [&](int32_t v) { return v == t[0] || v == t[1] || v == t[2]; });
       if (!holds || extent(t) < kLargePart * extent_[mesh_.vertex_group[b[0]]] - kRounding) continue;
-      if (separates(t, b, 1.0) || separates(t, b, -1.0)) return true;
+      const Vec3 u = middle(t[1]) - middle(t[0]), v = middle(t[2]) - middle(t[0]), n = cross(u, v);
+      Vec3 longest = u;
+      for (const Vec3& edge : {v, v - u})
+        if (squared_norm(edge) > detail::kLonger * squared_norm(longest)) longest = edge;
+      for (const Vec3& direction : {n, n * -1.0, cross(n, longest), cross(longest, n)})
+        if (separates(t, b, normalized(direction))) return true;
     }
     return false;
   }
 
-  // Whether all of b stays on one side of the triangle by more than the reach along its normal halfway.
-  bool separates(const Index3& t, std::span<const int32_t> b, double side) const {
-    const auto middle = [&](int32_t v) { return (x0_[v] + x1_[v]) * 0.5; };
-    const Vec3 n = normalized(cross(middle(t[1]) - middle(t[0]), middle(t[2]) - middle(t[0]))) * side;
+  Vec3 middle(int32_t v) const { return (x0_[v] + x1_[v]) * 0.5; }
+
+  // Whether all of b stays on one side of the triangle by more than the reach along a direction.
+  bool separates(const Index3& t, std::span<const int32_t> b, const Vec3& n) const {
     const double widening = std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z);  // of boxes along it
     double start = HUGE_VAL, motion = HUGE_VAL;
     for (const int32_t v : t) {

@@ -4,7 +4,7 @@
 // pair once. Cells are ordered by recursive median splits so that any 8^k consecutive ones are compact; the
 // tree is then implicit and 8-wide: a node holds the boxes of eight children, level 0 those of eight cells.
 // The triangles of a floor are large beside what lies on it, and the box of one that is tilted holds all of
-// that: they have a slab as well.
+// that: they have slabs as well.
 #pragma once
 
 #include <algorithm>
@@ -169,15 +169,17 @@ class Bvh {
   template <typename Extent>
   int node_mask(int32_t node, const Extent& query) const;
   template <typename Extent>
-  int near_mask(int32_t node, const Extent& query, const Slab& slab) const;
+  int near_mask(int32_t node, const Extent& query, const TriangleSlabs& slabs) const;
   /// Whether the box of a leaf of a tree with levels above touches bounds.
   template <typename Extent>
   bool overlaps_leaf(const Tree& tree, int32_t leaf, const Extent& bounds) const {
     return (node_mask(tree.level_begin[1] + leaf / kWidth, bounds) >> (leaf % kWidth) & 1) != 0;
   }
   template <typename Extent>
-  Slab cell_slab(const Cell& cell) const;
+  TriangleSlabs cell_slabs(const Cell& cell) const;
   bool is_large(const Cell& cell, const Box& box, const Tree& other) const;
+  /// Bit k set where the box of cell k of a leaf is that large.
+  int large_mask(int32_t node, const Tree& other) const;
   template <typename Test, typename Visit>
   void descend(const Task& task, int32_t leaf_a, Test&& test, Visit&& visit) const;
 
@@ -236,19 +238,22 @@ void Bvh::for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body)
 }
 
 template <typename Extent>
-int Bvh::near_mask(int32_t node, const Extent& query, const Slab& slab) const {
-  const int mask = node_mask(node, query);
-  if (mask == 0) return 0;
-  if constexpr (std::is_same_v<Extent, Box>)
-    return mask & ~separated_mask(nodes_[node], slab);
-  else
-    return mask & ~separated_mask(nodes_[node], motion_nodes_[node], slab);
+int Bvh::near_mask(int32_t node, const Extent& query, const TriangleSlabs& slabs) const {
+  int mask = node_mask(node, query);
+  for (const Slab& slab : slabs) {
+    if (mask == 0) return 0;
+    if constexpr (std::is_same_v<Extent, Box>)
+      mask &= ~separated_mask(nodes_[node], slab);
+    else
+      mask &= ~separated_mask(nodes_[node], motion_nodes_[node], slab);
+  }
+  return mask;
 }
 
 template <typename Extent>
-Slab Bvh::cell_slab(const Cell& cell) const {
+TriangleSlabs Bvh::cell_slabs(const Cell& cell) const {
   const auto& v = cell.vertices;
-  return slab_of<Extent>(
+  return slabs_of<Extent>(
       {vertex_extent<Extent>(v[0]), vertex_extent<Extent>(v[1]), vertex_extent<Extent>(v[2])}, rounding_);
 }
 
@@ -310,9 +315,9 @@ void Bvh::run_task(Task& task, int thread, Body& body) {
     for (int k = 0; k < count_a && !self; ++k) {
       if (!is_large(cells_a[k], start_of(boxes[k]), b) || !boxes[k].overlaps(bounds)) continue;
       small &= ~(1 << k);
-      const Slab slab = cell_slab<Extent>(cells_a[k]);
+      const TriangleSlabs slabs = cell_slabs<Extent>(cells_a[k]);
       descend(
-          task, leaf_a, [&](int32_t node) { return near_mask(node, boxes[k], slab) & partners(k, node); },
+          task, leaf_a, [&](int32_t node) { return near_mask(node, boxes[k], slabs) & partners(k, node); },
           [&](int32_t leaf_b, int hits) { pass(k, leaf_b, hits); });
     }
     if (small == 0) continue;
@@ -320,13 +325,21 @@ void Bvh::run_task(Task& task, int thread, Body& body) {
         task, leaf_a,
         [&](int32_t node) { return (moved == 0 ? moved_nodes_[node] : kAll) & node_mask(node, query); },
         [&](int32_t leaf_b, int) {
+          const int32_t node = b.level_begin[0] + leaf_b;
+          int hits[kWidth] = {}, all = 0;
           for (int left = small; left != 0; left &= left - 1) {
             const int k = __builtin_ctz(static_cast<unsigned>(left));
-            const int32_t node = b.level_begin[0] + leaf_b;
-            int hits = node_mask(node, boxes[k]) & partners(k, node);
-            if (self && leaf_b == leaf_a) hits &= ~((2 << k) - 1);
-            pass(k, leaf_b, hits);
+            hits[k] = node_mask(node, boxes[k]) & partners(k, node);
+            if (self && leaf_b == leaf_a) hits[k] &= ~((2 << k) - 1);
+            all |= hits[k];
           }
+          for (int large = self ? 0 : all & large_mask(node, a); large != 0; large &= large - 1) {
+            const int j = __builtin_ctz(static_cast<unsigned>(large));
+            const TriangleSlabs slabs = cell_slabs<Extent>(cells_[b.cell_begin + kWidth * leaf_b + j]);
+            for (int k = 0; k < count_a; ++k)
+              if (is_separated(slabs[0], boxes[k]) || is_separated(slabs[1], boxes[k])) hits[k] &= ~(1 << j);
+          }
+          for (int k = 0; k < count_a; ++k) pass(k, leaf_b, hits[k]);
         });
   }
 }

@@ -48,6 +48,15 @@ bool Bvh::is_large(const Cell& cell, const Box& box, const Tree& other) const {
          sum(box.high - box.low) > kLargePart * sum(bounds.high - bounds.low);
 }
 
+int Bvh::large_mask(int32_t node, const Tree& other) const {
+  if (other.level_count < 2) return 0;
+  const BoxNode& boxes = nodes_[node];
+  Float8 size{};
+  for (int axis = 0; axis < 3; ++axis) size += boxes.high[axis] - boxes.low[axis];
+  const Box& bounds = other.extent.start;
+  return lane_mask(size > Float8{} + kLargePart * sum(bounds.high - bounds.low));
+}
+
 // The smaller group's leaves are looked up in the larger group's tree; few leaves against a large tree (a
 // floor of two triangles under a big cloth) are split by its subtrees instead, to keep all threads busy.
 void Bvh::add_tasks(int32_t a, int32_t b, int32_t& work) {

@@ -1,10 +1,11 @@
-// The slab about a triangle, for the broad phase; not part of the public interface. The box of a large
+// The slabs about a triangle, for the broad phase; not part of the public interface. The box of a large
 // triangle that is not parallel to the axes holds much that is nowhere near it: along its normal it is as
-// thin as its contact distance. Any direction gives a valid bound, so the normal may be as inexact as it
-// likes.
+// thin as its contact distance, and across its longest edge no wider than its height. Any direction gives a
+// valid bound, so both may be as inexact as they like.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -14,9 +15,9 @@
 namespace stark::detail {
 
 struct Slab {
-  Float4 up{}, down{};  ///< positive and negative components of the normal, whose absolute ones sum to 1
+  Float4 up{}, down{};  ///< positive and negative components of its direction, whose absolute ones sum to 1
   float low = -std::numeric_limits<float>::infinity(), high = std::numeric_limits<float>::infinity();
-  float motion_low = 0.0f, motion_high = 0.0f;  ///< of displacements along the normal
+  float motion_low = 0.0f, motion_high = 0.0f;  ///< of displacements along it
 };
 
 inline float sum(const Float4& a) { return a[0] + a[1] + a[2]; }
@@ -34,19 +35,22 @@ inline Float4 twice_middle(const MovingBox& box) {
 inline const Box& start_of(const Box& box) { return box; }
 inline const Box& start_of(const MovingBox& box) { return box.start; }
 
-/// The slab that holds what three vertices with these boxes span, wider by `rounding` [m], which covers all
-/// sums of products of coordinates and components of the normal. Of all space where there is no normal.
+inline Float4 cross(const Float4& a, const Float4& b) {
+  return Float4{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0.0f};
+}
+/// Sum of the absolute components.
+inline float size_of(const Float4& a) { return std::fabs(a[0]) + std::fabs(a[1]) + std::fabs(a[2]); }
+
+/// The slab along a direction that holds what three vertices with these boxes span, wider by `rounding` [m],
+/// which covers all sums of products of coordinates and components of directions. Of all space where there is
+/// no direction.
 template <typename Extent>
-Slab slab_of(const Extent (&vertices)[3], float rounding) {
-  const Float4 origin = twice_middle(vertices[0]);
-  const Float4 u = twice_middle(vertices[1]) - origin, v = twice_middle(vertices[2]) - origin;
-  const Float4 normal = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0],
-                         0.0f};
-  const float size = std::fabs(normal[0]) + std::fabs(normal[1]) + std::fabs(normal[2]);
+Slab slab_along(const Float4& direction, const Extent (&vertices)[3], float rounding) {
+  const float size = size_of(direction);
   Slab slab;
   if (!(size > 1e-30f && size < 1e30f)) return slab;
-  slab.up = max(normal / size, Float4{});
-  slab.down = min(normal / size, Float4{});
+  slab.up = max(direction / size, Float4{});
+  slab.down = min(direction / size, Float4{});
   for (int k = 0; k < 3; ++k) {
     const float low = lowest(slab, start_of(vertices[k])), high = highest(slab, start_of(vertices[k]));
     slab.low = k == 0 ? low : std::min(slab.low, low);
@@ -62,7 +66,35 @@ Slab slab_of(const Extent (&vertices)[3], float rounding) {
   return slab;
 }
 
-/// Least and largest coordinate along the normal of eight boxes.
+constexpr float kLonger = 1.02f;
+
+/// Those along the normal of a triangle, and in its plane across its longest edge.
+using TriangleSlabs = std::array<Slab, 2>;
+template <typename Extent>
+TriangleSlabs slabs_of(const Extent (&vertices)[3], float rounding) {
+  const Float4 origin = twice_middle(vertices[0]);
+  const Float4 u = twice_middle(vertices[1]) - origin, v = twice_middle(vertices[2]) - origin;
+  const Float4 normal = cross(u, v), w = v - u;
+  Float4 longest = u;  // of about the same, always the same, whatever rounding says
+  for (const Float4& edge : {v, w})
+    if (sum(edge * edge) > kLonger * sum(longest * longest)) longest = edge;
+  return {slab_along(normal, vertices, rounding),
+          slab_along(cross(normal / size_of(normal), longest / size_of(longest)), vertices, rounding)};
+}
+
+/// Whether a slab keeps a box away from its triangle. Numbers that are not finite keep nothing away.
+inline bool is_separated(const Slab& slab, const Box& box) {
+  return lowest(slab, box) > slab.high || highest(slab, box) < slab.low;
+}
+/// The same of a box that moves, all the way: gaps of pairs of vertices along the slab are linear in time.
+inline bool is_separated(const Slab& slab, const MovingBox& box) {
+  const float back = lowest(slab, box.motion) - slab.motion_high,
+              forth = highest(slab, box.motion) - slab.motion_low;
+  return lowest(slab, box.start) + std::min(0.0f, back) > slab.high ||
+         highest(slab, box.start) + std::max(0.0f, forth) < slab.low;
+}
+
+/// Least and largest coordinate along the slab of eight boxes.
 struct Interval8 {
   Float8 low, high;
 };
@@ -76,14 +108,13 @@ inline Interval8 along(const Slab& slab, const BoxNode& node) {
   return interval;
 }
 
-/// Bit k set where the slab keeps box k of the node away from its triangle. Numbers that are not finite keep
-/// nothing away.
+/// Bit k set where the slab keeps box k of the node away from its triangle.
 inline int separated_mask(const BoxNode& node, const Slab& slab) {
   const Interval8 way = along(slab, node);
   return lane_mask((way.low > slab.high) | (way.high < slab.low));
 }
 
-/// The same of boxes that move, all the way: gaps of pairs of vertices along the normal are linear in time.
+/// The same of boxes that move.
 inline int separated_mask(const BoxNode& start, const BoxNode& motion, const Slab& slab) {
   const Interval8 way = along(slab, start), moved = along(slab, motion);
   const Float8 zero{};
