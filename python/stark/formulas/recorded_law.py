@@ -129,7 +129,8 @@ class RecordedLaw:
             )
         array = numbers_of(self.name, parameter, given)
         own = len(parameter.shape)
-        if array.shape[max(array.ndim - own, 0) :] != parameter.shape or array.ndim > own + 1:
+        is_shaped = array.shape[max(array.ndim - own, 0) :] == parameter.shape
+        if not is_shaped or array.ndim > own + 1 or array.size == 0:
             raise InvalidArgument(
                 f"{self.name}: {parameter.describe()} has the shape {array.shape}: must be "
                 f"{parameter.shape}, or have one leading dimension more with a value for each element"

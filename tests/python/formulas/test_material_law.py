@@ -127,6 +127,13 @@ def test_stress_at_rest_is_no_instability() -> None:
     assert stretches == pytest.approx([2 ** (-1 / 6), 2 ** (-1 / 6), 2 ** (1 / 3)], rel=1e-5)
 
 
+def test_values_of_no_elements_are_refused() -> None:
+    with pytest.raises(
+        stark.InvalidArgument, match=r"'yield_stress' \[Pa\] has the shape \(0,\): must be \(\)"
+    ):
+        stark.j2_plasticity(shear_modulus=1.0, bulk_modulus=1.0, yield_stress=[])
+
+
 def test_a_law_with_stress_at_rest_is_refused_unless_it_is_meant() -> None:
     @stark.material
     def tense(F: stark.DeformationGradient, mu: float = MODULUS):
