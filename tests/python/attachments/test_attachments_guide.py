@@ -14,7 +14,7 @@ GUIDE = Path(__file__).resolve().parents[3] / "docs/attachments.md"
 
 def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
     blocks = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
-    assert len(blocks) == 9
+    assert len(blocks) == 10
     names: dict[str, object] = {}
     for block in blocks:
         exec(compile(block.replace("until=0.3", "until=0.05"), str(GUIDE), "exec"), names)
