@@ -139,14 +139,14 @@ class PinFollower:
         places = self.center + (start - self.center) @ self.turn(time).T
         if self.displacement is None:
             return places
-        moved = self.displacement(time)
-        if np.ndim(moved) > 1:
+        what = f"{owner}: displacement at {time:g} s"
+        moved = as_array(self.displacement(time), what)
+        if moved.ndim > 1:
             raise InvalidArgument(
-                f"{owner}: displacement at {time:g} s has the shape {np.shape(moved)}: must be three numbers "
-                f"[m], as it moves all pins alike; pins that move apart follow targets, as by "
-                f"follow(lambda t: start + moved(t)), positions of them all"
+                f"{what} has the shape {moved.shape}: must be three numbers [m], which move all pins alike; "
+                f"pins that move apart follow targets, as by follow(lambda t: start + moved(t))"
             )
-        return places + vector(moved, f"{owner}: displacement at {time:g} s")
+        return places + vector(moved, what)
 
     def jump(self) -> str:
         """What is wrong with a motion that does not start where the pins are; else empty."""
