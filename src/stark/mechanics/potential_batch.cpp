@@ -75,6 +75,17 @@ double PotentialBatch::get(int field, int64_t element, int c) const {
   return *const_cast<PotentialBatch*>(this)->lane(element, potential_->element_fields()[field].offset + c);
 }
 
+void PotentialBatch::take(const PotentialBatch& from, std::span<const int64_t> elements) {
+  STARK_CHECK(potential_ == from.potential_ && static_cast<int64_t>(elements.size()) == size_);
+  uniforms_ = from.uniforms_;
+  const int width = potential_->element_width();
+  for (int64_t e = 0; e < size_; ++e)
+    for (int k = 0; k < width; ++k) {
+      *lane(e, k) = *const_cast<PotentialBatch&>(from).lane(elements[e], k);
+      copy_padding(e, k);
+    }
+}
+
 int PotentialBatch::field_index(const std::string& name) const {
   const auto& fields = potential_->element_fields();
   for (size_t k = 0; k < fields.size(); ++k)

@@ -57,6 +57,9 @@ class PotentialBatch {
   /// Value of component c of an element field.
   double get(int field, int64_t element, int c = 0) const;
 
+  /// Numbers of elements of another batch of the same potential, one for each of this, and the shared ones.
+  void take(const PotentialBatch& from, std::span<const int64_t> elements);
+
   /// Sets a shared parameter; unknown names throw.
   void set_uniform(const std::string& name, std::span<const double> values);
   void set_uniform(const std::string& name, double value) { set_uniform(name, {&value, 1}); }

@@ -42,27 +42,28 @@ SelfStress::SelfStress(const KinematicMap& map, ConstraintSet& constraints, Thre
                        Known is_driven)
     : map_(map),
       constraints_(constraints),
+      pool_(pool),
       may_break_(std::move(may_break)),
       is_driven_(std::move(is_driven)) {
-  std::vector<PotentialBatch*> batches;
-  for (ConstraintGroup& group : constraints.groups()) {
+  members_ = members_of(map, constraints);
+  is_loop_possible_ = is_any(in_loops(std::vector<bool>(members_.size(), true)));
+}
+
+std::vector<SelfStress::Member> SelfStress::members_of(const KinematicMap& map,
+                                                       const ConstraintSet& constraints) {
+  std::vector<Member> members;
+  for (const ConstraintGroup& group : constraints.groups()) {
     if (group.joint->units().empty()) continue;
-    batches.push_back(&group.batch);
     for (int64_t e = 0; e < group.batch.size(); ++e) {
       Member member{group.joints[e], std::min(group.joint->units().size(), kMostRows), {}};
       for (const int32_t site : group.batch.stencil(e)) map.append_blocks(site, member.blocks);
       std::ranges::sort(member.blocks);
       const auto doubled = std::ranges::unique(member.blocks);
       member.blocks.erase(doubled.begin(), doubled.end());
-      members_.push_back(std::move(member));
+      members.push_back(std::move(member));
     }
   }
-  if (!is_any(in_loops(std::vector<bool>(members_.size(), true)))) return;
-  assembler_ = std::make_unique<Assembler>(map, pool);
-  assembler_->set_static_batches(batches);
-  LinearSettings settings;
-  settings.solver = "cholesky";
-  solver_ = make_linear_solver(settings, pool);
+  return members;
 }
 
 size_t SelfStress::row_count(const Member& member) const {
@@ -157,14 +158,16 @@ std::vector<bool> SelfStress::torn(std::span<const double> misfits, const std::v
 
 std::vector<double> SelfStress::held(const Configuration& configuration, std::span<const Vec3> x,
                                      std::span<const double> residuals) {
-  const std::vector<bool> acts = acting(residuals);
-  if (acts.empty()) return {};
-  factorise(configuration, x);
-  const std::optional<std::vector<double>> pushed = by_residuals(configuration, x, residuals, acts);
-  if (!pushed) return {};
+  const Acting acting = acting_with(residuals);
+  if (acting.rows.empty()) return {};
+  read(acting.loops, configuration, x);
+  factorise();
   std::vector<double> result(residuals.begin(), residuals.end());
-  for (size_t r = 0; r < result.size(); ++r)
-    if (acts[r]) result[r] = (*pushed)[r] / constraints_.penalties()[r];
+  const std::vector<bool> acts_here = system_->part(acting.rows);
+  const std::optional<std::vector<double>> pushed = by_residuals(system_->part(result), acts_here);
+  if (!pushed) return {};
+  for (size_t r = 0; r < system_->row_count(); ++r)
+    if (acts_here[r]) result[system_->row(r)] = (*pushed)[r] / system_->constraints().penalties()[r];
   return result;
 }
 
@@ -173,42 +176,48 @@ std::vector<double> SelfStress::held(const Configuration& configuration, std::sp
 SelfStress::End SelfStress::end(const Configuration& configuration, std::span<const Vec3> x) {
   const std::vector<double> residuals = constraints_.residuals(x);
   End end{constraints_.reactions(residuals), constraints_.next_multipliers(residuals), {}};
-  const std::vector<bool> acts = acting(residuals);
-  if (acts.empty()) return end;
-  const std::vector<double>& penalties = constraints_.first_penalties();
-  std::vector<double> multipliers = end.forces;
-  for (size_t r = 0; r < residuals.size(); ++r) multipliers[r] -= penalties[r] * residuals[r];
-  constraints_.set_inputs({multipliers, penalties});
-  factorise(configuration, x);
-  const std::optional<std::vector<double>> forces = moving_part(configuration, x, end.forces, acts);
-  const std::optional<std::vector<double>> pushed = by_residuals(configuration, x, residuals, acts);
+  const Acting acting = acting_with(residuals);
+  if (acting.rows.empty()) return end;
+  read(acting.loops, configuration, x);
+  const std::vector<double> penalties = system_->part(constraints_.first_penalties());
+  const std::vector<double> residuals_here = system_->part(residuals);
+  const std::vector<double> all_forces = system_->part(end.forces);
+  const std::vector<bool> acts_here = system_->part(acting.rows);
+  std::vector<double> multipliers = all_forces;
+  for (size_t r = 0; r < penalties.size(); ++r) multipliers[r] -= penalties[r] * residuals_here[r];
+  system_->constraints().set_inputs({multipliers, penalties});
+  factorise();
+  const std::optional<std::vector<double>> forces = moving_part(all_forces, acts_here);
+  const std::optional<std::vector<double>> pushed = by_residuals(residuals_here, acts_here);
   if (!forces || !pushed) return end;
   const std::vector<char> one_sided = constraints_.one_sided();
   end.misfits.assign(residuals.size(), 0.0);
-  for (size_t r = 0; r < residuals.size(); ++r)
-    if (acts[r]) end.misfits[r] = residuals[r] - (*pushed)[r] / penalties[r];
-  const std::vector<bool> is_torn = torn(end.misfits, acts);
-  for (size_t r = 0; r < residuals.size(); ++r) {
-    if (!acts[r]) continue;
-    const double stress = penalties[r] * end.misfits[r];
-    end.forces[r] = (*forces)[r] + (is_torn[r] ? stress : 0.0);
-    end.multipliers[r] = (*forces)[r] - stress;
-    if (one_sided[r] == 0) continue;
-    end.forces[r] = std::max(0.0, end.forces[r]);
-    end.multipliers[r] = std::max(0.0, end.multipliers[r]);
+  for (size_t r = 0; r < penalties.size(); ++r)
+    if (acts_here[r]) end.misfits[system_->row(r)] = residuals_here[r] - (*pushed)[r] / penalties[r];
+  const std::vector<bool> is_torn = torn(end.misfits, acting.rows);
+  for (size_t r = 0; r < penalties.size(); ++r) {
+    if (!acts_here[r]) continue;
+    const size_t row = system_->row(r);
+    const double stress = penalties[r] * end.misfits[row];
+    end.forces[row] = (*forces)[r] + (is_torn[row] ? stress : 0.0);
+    end.multipliers[row] = (*forces)[r] - stress;
+    if (one_sided[row] == 0) continue;
+    end.forces[row] = std::max(0.0, end.forces[row]);
+    end.multipliers[row] = std::max(0.0, end.multipliers[row]);
   }
   return end;
 }
 
-std::vector<bool> SelfStress::acting(std::span<const double> residuals) const {
-  if (!assembler_) return {};
+SelfStress::Acting SelfStress::acting_with(std::span<const double> residuals) const {
+  if (!is_loop_possible_) return {};
   const std::vector<double> forces = constraints_.reactions(residuals);
   const std::vector<char> one_sided = constraints_.one_sided();
   std::vector<bool> rows(forces.size());
   for (size_t r = 0; r < forces.size(); ++r)
     rows[r] = constraints_.penalties()[r] > 0.0 && (one_sided[r] == 0 || forces[r] > 0.0);
   const std::vector<bool> acts = members_of(rows);
-  const std::vector<bool> loops = in_loops(acts), breakable = joined_to_breakable(acts, loops);
+  std::vector<bool> loops = in_loops(acts);
+  const std::vector<bool> breakable = joined_to_breakable(acts, loops);
   std::vector<bool> driven(members_.size()), is_left = loops;
   if (is_any(breakable)) {
     for (size_t m = 0; m < members_.size(); ++m) driven[m] = is_driven_(members_[m].joint);
@@ -220,26 +229,47 @@ std::vector<bool> SelfStress::acting(std::span<const double> residuals) const {
     for (size_t k = 0; k < row_count(members_[m]); ++k) rows[first_row(members_[m]) + k] = false;
   }
   if (!is_any(is_left)) rows.clear();
-  return rows;
+  return {std::move(rows), std::move(loops)};
 }
 
-std::optional<std::vector<double>> SelfStress::by_residuals(const Configuration& configuration,
-                                                            std::span<const Vec3> x,
-                                                            std::span<const double> residuals,
+// Which limits act, and with them what is in loops, changes seldom.
+void SelfStress::read(const std::vector<bool>& loops, const Configuration& configuration,
+                      std::span<const Vec3> x) {
+  if (!system_ || loops != loops_) make_system(loops);
+  system_->read(constraints_, configuration, x);
+}
+
+void SelfStress::make_system(const std::vector<bool>& loops) {
+  loops_ = loops;
+  std::vector<bool> chosen(static_cast<size_t>(constraints_.joint_count()));
+  for (size_t m = 0; m < members_.size(); ++m) chosen[members_[m].joint] = loops[m];
+  system_ = std::make_unique<LoopSystem>(map_, constraints_, chosen);
+  system_members_ = members_of(system_->map(), system_->constraints());
+  assembler_ = std::make_unique<Assembler>(system_->map(), pool_);
+  std::vector<PotentialBatch*> batches;
+  for (ConstraintGroup& group : system_->constraints().groups()) batches.push_back(&group.batch);
+  assembler_->set_static_batches(batches);
+  LinearSettings settings;
+  settings.solver = "cholesky";
+  solver_ = make_linear_solver(settings, pool_);
+}
+
+std::optional<std::vector<double>> SelfStress::by_residuals(std::span<const double> residuals,
                                                             const std::vector<bool>& acts) {
   std::vector<double> forces(residuals.size());
   for (size_t r = 0; r < forces.size(); ++r)
-    if (acts[r]) forces[r] = constraints_.penalties()[r] * residuals[r];
-  return moving_part(configuration, x, std::move(forces), acts);
+    if (acts[r]) forces[r] = system_->constraints().penalties()[r] * residuals[r];
+  return moving_part(std::move(forces), acts);
 }
 
-void SelfStress::factorise(const Configuration& configuration, std::span<const Vec3> x) {
-  const size_t blocks = static_cast<size_t>(map_.layout().block_count);
+void SelfStress::factorise() {
+  const size_t blocks = static_cast<size_t>(system_->map().layout().block_count);
   gradient_.assign(3 * blocks, 0.0);
-  assembler_->assemble(configuration, x, {.project = true, .pending = {}}, gradient_, hessian_);
+  assembler_->assemble(system_->configuration(), system_->sites(), {.project = true, .pending = {}},
+                       gradient_, hessian_);
   // What a constraint moves by nothing but rounding errors would move by any amount.
   std::vector<std::pair<int32_t, double>> still;
-  for (const Member& member : members_) {
+  for (const Member& member : system_members_) {
     double largest = 0.0;
     for (const int32_t block : member.blocks) largest = std::max(largest, stiffness_at(hessian_, block));
     for (const int32_t block : member.blocks)
@@ -254,18 +284,16 @@ void SelfStress::factorise(const Configuration& configuration, std::span<const V
   is_factorised_ = false;
 }
 
-std::optional<std::vector<double>> SelfStress::moving_part(const Configuration& configuration,
-                                                           std::span<const Vec3> x,
-                                                           std::vector<double> forces,
+std::optional<std::vector<double>> SelfStress::moving_part(std::vector<double> forces,
                                                            const std::vector<bool>& acts) {
   std::vector<double> sum(forces.size());
   for (int pass = 0; pass < kPasses; ++pass) {
-    const std::vector<double> u = displacements(configuration, x, forces);
+    const std::vector<double> u = displacements(forces);
     if (u.empty()) return {};
-    const std::vector<double> rate = rates(configuration, x, u);
+    const std::vector<double> rate = rates(u);
     for (size_t r = 0; r < sum.size(); ++r) {
       if (!acts[r]) continue;
-      const double force = constraints_.penalties()[r] * rate[r];
+      const double force = system_->constraints().penalties()[r] * rate[r];
       sum[r] += force;
       forces[r] -= force;
     }
@@ -273,23 +301,23 @@ std::optional<std::vector<double>> SelfStress::moving_part(const Configuration& 
   return sum;
 }
 
-std::vector<double> SelfStress::displacements(const Configuration& configuration, std::span<const Vec3> x,
-                                              std::span<const double> forces) {
+std::vector<double> SelfStress::displacements(std::span<const double> forces) {
   // Rows of one side pull with positive forces alone, so what is negative there is taken off.
-  const std::vector<char> one_sided = constraints_.one_sided();
+  ConstraintSet& constraints = system_->constraints();
+  const std::vector<char> one_sided = constraints.one_sided();
   std::vector<double> positive(forces.begin(), forces.end()), negative(forces.size());
   for (size_t r = 0; r < forces.size(); ++r)
     if (one_sided[r] != 0 && forces[r] < 0.0) positive[r] = 0.0, negative[r] = -forces[r];
   std::vector<double> taken_off(gradient_.size()), result(gradient_.size());
-  const ConstraintSet::Inputs inputs = constraints_.inputs();
-  constraints_.set_forces(positive);
-  assembler_->assemble_gradient(configuration, x, gradient_);
+  const ConstraintSet::Inputs inputs = constraints.inputs();
+  constraints.set_forces(positive);
+  assembler_->assemble_gradient(system_->configuration(), system_->sites(), gradient_);
   if (std::ranges::any_of(negative, [](double force) { return force > 0.0; })) {
-    constraints_.set_forces(negative);
-    assembler_->assemble_gradient(configuration, x, taken_off);
+    constraints.set_forces(negative);
+    assembler_->assemble_gradient(system_->configuration(), system_->sites(), taken_off);
     for (size_t i = 0; i < gradient_.size(); ++i) gradient_[i] -= taken_off[i];
   }
-  constraints_.set_inputs(inputs);
+  constraints.set_inputs(inputs);
   const LinearSystem system{.A = hessian_, .b = gradient_};
   const LinearSolveReport solved =
       is_factorised_ ? solver_->solve_again(system, result) : solver_->solve(system, result);
@@ -299,21 +327,21 @@ std::vector<double> SelfStress::displacements(const Configuration& configuration
   return result;
 }
 
-std::vector<double> SelfStress::rates(const Configuration& configuration, std::span<const Vec3> x,
-                                      std::span<const double> displacements) const {
+std::vector<double> SelfStress::rates(std::span<const double> displacements) const {
   double largest = 0.0;
   for (const double value : displacements) largest = std::max(largest, std::fabs(value));
-  std::vector<double> rate(static_cast<size_t>(constraints_.residual_count()));
+  std::vector<double> rate(system_->row_count());
   if (largest == 0.0) return rate;
   const double scale = kProbe / largest;
+  const KinematicMap& map = system_->map();
   Configuration moved;
-  std::vector<Vec3> sites(x.size());
+  std::vector<Vec3> sites(system_->sites().size());
   for (const double sign : {1.0, -1.0}) {
-    map_.retract(configuration, displacements, sign * scale, KinematicMap::Way::Straight, moved);
-    map_.positions(moved, sites);
-    for (int32_t i = 0; i < map_.site_count(); ++i)
-      if (map_.is_prescribed(i)) sites[i] = x[i];
-    const std::vector<double> values = constraints_.residuals(sites);
+    map.retract(system_->configuration(), displacements, sign * scale, KinematicMap::Way::Straight, moved);
+    map.positions(moved, sites);
+    for (int32_t i = 0; i < map.site_count(); ++i)
+      if (map.is_prescribed(i)) sites[i] = system_->sites()[i];
+    const std::vector<double> values = system_->constraints().residuals(sites);
     for (size_t r = 0; r < rate.size(); ++r) rate[r] += sign * values[r] / (2.0 * scale);
   }
   return rate;

@@ -12,6 +12,7 @@
 #include <stark/linalg/linear_solver.h>
 #include <stark/mechanics/assembler.h>
 #include <stark/mechanics/constraint_set.h>
+#include <stark/mechanics/loop_system.h>
 
 namespace stark {
 
@@ -45,6 +46,7 @@ class SelfStress {
     size_t rows = 0;
     std::vector<int32_t> blocks;  ///< each once
   };
+  static std::vector<Member> members_of(const KinematicMap& map, const ConstraintSet& constraints);
 
   /// Which of the members that act are in loops.
   std::vector<bool> in_loops(const std::vector<bool>& acts) const;
@@ -58,29 +60,39 @@ class SelfStress {
   std::vector<bool> torn(std::span<const double> misfits, const std::vector<bool>& acts) const;
   size_t row_count(const Member& member) const;
   size_t first_row(const Member& member) const;
-  /// Which residuals act in a step that ends with these, but for loops that what is driven may tear; empty
-  /// where nothing that acts is in another loop.
-  std::vector<bool> acting(std::span<const double> residuals) const;
+  struct Acting {
+    std::vector<bool> rows;   ///< residuals that act, but for loops that what is driven may tear
+    std::vector<bool> loops;  ///< members in loops of what acts
+  };
+  /// In a step that ends with these residuals; no rows where nothing that acts is in such a loop.
+  Acting acting_with(std::span<const double> residuals) const;
+  /// Makes system_ of the members in loops, where it is of others, and takes over where they are.
+  void read(const std::vector<bool>& loops, const Configuration& configuration, std::span<const Vec3> x);
+  void make_system(const std::vector<bool>& loops);
+
+  // Of the constraints in loops, by rows of system_:
+
   /// The part of rho C that moves bodies; nothing without a solution.
-  std::optional<std::vector<double>> by_residuals(const Configuration& configuration, std::span<const Vec3> x,
-                                                  std::span<const double> residuals,
+  std::optional<std::vector<double>> by_residuals(std::span<const double> residuals,
                                                   const std::vector<bool>& acts);
-  void factorise(const Configuration& configuration, std::span<const Vec3> x);
+  void factorise();
   /// The part of forces that moves bodies; nothing without a solution.
-  std::optional<std::vector<double>> moving_part(const Configuration& configuration, std::span<const Vec3> x,
-                                                 std::vector<double> forces, const std::vector<bool>& acts);
+  std::optional<std::vector<double>> moving_part(std::vector<double> forces, const std::vector<bool>& acts);
   /// Unknowns by which it comes about; empty without a solution.
-  std::vector<double> displacements(const Configuration& configuration, std::span<const Vec3> x,
-                                    std::span<const double> forces);
+  std::vector<double> displacements(std::span<const double> forces);
   /// Change of residuals per unit of displacements.
-  std::vector<double> rates(const Configuration& configuration, std::span<const Vec3> x,
-                            std::span<const double> displacements) const;
+  std::vector<double> rates(std::span<const double> displacements) const;
 
   const KinematicMap& map_;
   ConstraintSet& constraints_;
+  ThreadPool& pool_;
   Known may_break_, is_driven_;
   std::vector<Member> members_;
-  std::unique_ptr<Assembler> assembler_;  ///< null where no loop is possible
+  bool is_loop_possible_ = false;
+  std::vector<bool> loops_;  ///< members that system_ is made of
+  std::unique_ptr<LoopSystem> system_;
+  std::vector<Member> system_members_;
+  std::unique_ptr<Assembler> assembler_;
   std::unique_ptr<LinearSolver> solver_;
   std::vector<double> gradient_;
   BlockMatrix hessian_;
