@@ -4,26 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stark import _core
 from stark.bodies.body import Body
 from stark.bodies.rigid import RigidBody
 from stark.caller import warn
 
 _LOOK_EVERY = 16  # steps
+_LEVEL = 1e-6  # difference of heights of a level floor [m]
 
 
 class FloorEdges:
-    """Watches what starts above the lowest of such floors in a simulation, and warns once."""
+    """Watches what starts above the lowest of such floors in a simulation, and warns once. Floors that move
+    or slope are left out: what is below them need not have fallen."""
 
     def __init__(self, floors: Sequence[Body], bodies: Sequence[Body], core: _core.Simulation) -> None:
         self._steps = 0
         self._rigid: list[Body] = []
         self._deformable: list[Body] = []
-        if not floors:
+        level = [
+            (corners, floor)
+            for corners, floor in ((core.positions(floor._index), floor) for floor in floors)
+            if floor.motion == "fixed" and np.ptp(corners[:, 2]) < _LEVEL
+        ]
+        if not level:
             return
-        self._height, self._floor = min(
-            ((float(core.positions(floor._index)[0, 2]), floor) for floor in floors), key=lambda row: row[0]
-        )
+        corners, self._floor = min(level, key=lambda row: float(row[0][0, 2]))
+        self._height = float(corners[0, 2])
+        self._rim = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
         for body in bodies:
             if (isinstance(body, RigidBody) and body.motion != "dynamic") or body in floors:
                 continue
@@ -40,7 +50,7 @@ class FloorEdges:
         fallen = [
             body
             for body in (*lower, *self._deformable)
-            if core.positions(body._index)[:, 2].max() < self._height
+            if self._is_past_the_edge(core.positions(body._index))
         ]
         if not fallen or not core.gravity[2] < 0.0:
             return
@@ -50,3 +60,9 @@ class FloorEdges:
             f"s: without size= a floor is 4 m along x and y; give scene.add_floor(size) the size you need"
         )
         self._rigid, self._deformable = [], []
+
+    def _is_past_the_edge(self, places: NDArray[np.float64]) -> bool:
+        """Below the floor and beside it, at least in part: what is right below has gone through."""
+        low, high = self._rim
+        beside = ((places[:, :2] < low) | (places[:, :2] > high)).any()
+        return bool(beside and places[:, 2].max() < self._height)

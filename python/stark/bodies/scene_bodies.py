@@ -345,7 +345,8 @@ class SceneBodies(SceneLink):
     def add_floor(self, size: float | None = None, *, height: float = 0.0, **options: Any) -> RigidBody:
         """Fixed square of two triangles in the plane z = ``height`` [m], ``size`` [m] (4 m) along x and y,
         seen from above; ``options`` as in ``add_rigid``, for instance friction=0.3. What lies on it must not
-        stick out of it: bodies fall off its edge, and if ``size`` is not given, a StarkWarning says so.
+        stick out of it: bodies fall off its edge, and if ``size`` is not given and the floor is level and
+        fixed, a StarkWarning says so.
         Raises InvalidArgument for numbers out of range, and for what makes no difference to a floor, such as
         a mass."""
         title = _title("floor", options.get("name"))

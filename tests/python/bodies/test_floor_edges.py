@@ -50,3 +50,26 @@ def test_nothing_is_said_of_what_is_meant(case: str) -> None:
     if case == "scripted":
         box.follow(position=lambda time: (3.0, 0.0, height - 3.0 * time))
     assert steps(scene, 32, gravity=(0, 0, 0.0 if case == "weightless" else -9.81)) == []
+
+
+def test_nothing_is_said_of_what_is_below_a_slope() -> None:
+    scene = stark.Scene()
+    scene.add_floor(rotation=stark.rotation(axis=(1, 0, 0), angle=-0.4))
+    scene.add_sphere(0.05, mass=1.0, position=(0.0, 1.0, 1.2), velocity=(0.0, 1.0, -6.0))
+    assert steps(scene, 32) == []
+
+
+def test_nothing_is_said_of_what_rides_down_on_a_lift() -> None:
+    scene = stark.Scene()
+    lift = scene.add_floor(motion="scripted")
+    lift.follow(position=lambda time: (0.0, 0.0, -1.0 * time))
+    scene.add_box(0.1, mass=1.0, position=(0.0, 0.0, 0.06))
+    assert steps(scene, 32) == []
+
+
+def test_nothing_is_said_of_what_falls_through() -> None:
+    scene = stark.Scene()
+    floor = scene.add_floor()
+    box = scene.add_box(0.1, mass=1.0, position=(0.0, 0.0, 0.06))
+    scene.disable_contact(floor, box)
+    assert steps(scene, 32) == []
