@@ -44,10 +44,11 @@ def _largest_strains(cloth: Cloth) -> Floats:
         _metric(places, cloth.triangles)
         for places in (cloth.mesh.vertices, cloth._scene._core.initial_positions(cloth._index))
     )
-    change = np.linalg.solve(rest, now)
-    half_trace = 0.5 * np.trace(change, axis1=1, axis2=2)
-    root = np.sqrt(np.maximum(half_trace**2 - np.linalg.det(change), 0.0))
-    strains: Floats = 0.5 * (half_trace + root - 1.0)
+    with np.errstate(over="ignore", invalid="ignore"):  # huge positions are refused after this, by name
+        change = np.linalg.solve(rest, now)
+        half_trace = 0.5 * np.trace(change, axis1=1, axis2=2)
+        root = np.sqrt(np.maximum(half_trace**2 - np.linalg.det(change), 0.0))
+        strains: Floats = 0.5 * (half_trace + root - 1.0)
     return strains
 
 

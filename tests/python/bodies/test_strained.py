@@ -43,3 +43,13 @@ def test_nor_is_cloth_without_such_a_limit() -> None:
     assert not _told(2.0, cotton.replace(strain_limit=np.inf))
     assert not _told(2.0, cotton.replace(strain_limit_law="edges"))
     assert not _told(1.03, cotton.replace(strain_limit=0.001))
+
+
+def test_numpy_says_nothing_of_huge_positions() -> None:
+    scene = stark.Scene()
+    scene.add_cloth(GRID, stark.materials.cotton, initial_positions=GRID.vertices * (1e149, 1.0, 1.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        warnings.simplefilter("ignore", stark.StarkWarning)
+        with pytest.raises(stark.InvalidArgument, match="contact_distance"):
+            stark.Simulation(scene)
