@@ -17,7 +17,7 @@ from stark.formulas.parameters import Parameter
 from stark.formulas.recorded_law import RecordedLaw
 from stark.formulas.update_checks import bad_update
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial, refuse_replaced
-from stark.symbolic.tensor import Tensor
+from stark.symbolic.tensor import Mat, Tensor
 
 
 class MaterialLaw(RecordedLaw):
@@ -35,8 +35,7 @@ class MaterialLaw(RecordedLaw):
         value for each element, and those of the material (density, thickness, damping, ...), which come from
         ``base`` where they are left out. Called with a strain instead: its energy density."""
         if args:
-            self._require_strain(args[0])
-            return applied(self.name, self._function, args, given)
+            return applied(self.name, self._function, (self._as_strain(args[0]), *args[1:]), given)
         kind = self.material_type
         if base is not None and not isinstance(base, kind):
             raise InvalidArgument(
@@ -64,14 +63,24 @@ class MaterialLaw(RecordedLaw):
         """The class of its materials."""
         return SolidMaterial if self.is_solid else ShellMaterial
 
-    def _require_strain(self, given: Any) -> None:
+    def _as_strain(self, given: Any) -> Any:
+        """Values or symbols of a strain, rows in a list among them."""
         strain, shape = self._strain
-        if shape and not isinstance(given, (Tensor, list, tuple, np.ndarray)):
+        if not shape:
+            return given
+        if not isinstance(given, (Tensor, list, tuple, np.ndarray)):
             first = next((f"{parameter.name}=..." for parameter in self.parameters), "")
             raise InvalidArgument(
                 f"{self.name}: got {shown_value(given)} without a name: must be values by name for a "
                 f"material, such as {self.name}({first}), or the strain {strain} for its energy density"
             )
+        if isinstance(given, (list, tuple)):
+            given = Mat(given)
+        if given.shape != shape:
+            raise InvalidArgument(
+                f"{self.name}: the strain {strain} has the shape {given.shape}: must be {shape}"
+            )
+        return given
 
     def check(self, **given: Any) -> Any:
         """Tests the law with these parameters: rest state, objectivity, isotropy, derivatives, stability.

@@ -66,3 +66,20 @@ def test_values_without_a_name_are_no_strain() -> None:
         stark.j2_plasticity(2e11, 0.3, 1e8)
     with pytest.raises(stark.InvalidArgument, match=r"such as swelling.a=....*, or the strain F"):
         swelling("steel")
+
+
+def test_a_strain_has_the_shape_of_the_law() -> None:
+    """A smaller one gave an energy, or an error of NumPy."""
+    rows = [[1.1, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.9]]
+    assert float(swelling(rows, b=2e4)) == float(swelling(np.array(rows), b=2e4))
+    for strain in (np.eye(2), [[1.0]], np.ones(3), np.eye(3, 2)):
+        with pytest.raises(stark.InvalidArgument, match=r"the strain F has the shape \(.*must be \(3, 3\)"):
+            swelling(strain, b=2e4)
+
+
+def test_a_law_of_rods_is_called_with_its_strains() -> None:
+    @stark.material
+    def wire(stretch: float, twist: float, k: float = stark.parameter(2.0, unit="N")):
+        return k * (stretch - 1.0) ** 2 + k * twist**2
+
+    assert float(wire(1.5, 0.5)) == 1.0
