@@ -145,9 +145,9 @@ class BoundEnergy:
         if isinstance(given, (Points, JoinedPoints, Stencils)):
             columns = list(given.columns) if isinstance(given, Stencils) else [given]
         elif argument.kind is Point:
-            columns = [world_points(_numbers(owner, given))]
+            columns = [self._world_points(argument, given)]
         elif isinstance(given, (tuple, list)):
-            columns = [c for item in given for c in self._single(owner, item)]
+            columns = [c for item in given for c in self._single(argument, item)]
         else:
             raise InvalidArgument(
                 f"{owner} = {given!r}: must be {argument.noun}, such as {_example(argument)}"
@@ -159,10 +159,14 @@ class BoundEnergy:
             )
         return columns
 
-    def _single(self, owner: str, given: Any) -> list[Any]:
+    def _single(self, argument: PointArgument, given: Any) -> list[Any]:
         if isinstance(given, Stencils):
             return list(given.columns)
-        return [given if isinstance(given, (Points, JoinedPoints)) else world_points(_numbers(owner, given))]
+        return [given if isinstance(given, (Points, JoinedPoints)) else self._world_points(argument, given)]
+
+    def _world_points(self, argument: PointArgument, given: Any) -> Any:
+        point = Parameter(argument.name, (3,), Declaration(None, "m", None, None, None, None, ""))
+        return world_points(numbers_of(self.name, point, given))
 
     def _frame_columns(self, argument: FrameArgument, given: Any) -> list[Any]:
         handle = rigid_frame(given, (0.0, 0.0, 0.0), None) if _is_rigid(given) else given
@@ -243,11 +247,6 @@ def _call_signature(signature: inspect.Signature, arguments: Sequence[Argument])
     positional = [p for p in shown if p.kind is not inspect.Parameter.KEYWORD_ONLY]
     keywords = [p for p in shown if p.kind is inspect.Parameter.KEYWORD_ONLY]
     return inspect.Signature([*positional, *keywords])
-
-
-def _numbers(owner: str, given: Any) -> Any:
-    point = Parameter(owner, (3,), Declaration(None, "m", None, None, None, None, ""))
-    return numbers_of(owner, point, given)
 
 
 def _example(argument: PointArgument) -> str:

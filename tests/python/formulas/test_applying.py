@@ -83,3 +83,8 @@ def test_a_law_of_rods_is_called_with_its_strains() -> None:
         return k * (stretch - 1.0) ** 2 + k * twist**2
 
     assert float(wire(1.5, 0.5)) == 1.0
+
+
+def test_points_that_are_no_numbers_are_named_once() -> None:
+    with pytest.raises(stark.InvalidArgument, match=r"^pull: 'p' \[m\] = 'x': must be 3 numbers"):
+        pull("x")

@@ -178,7 +178,7 @@ BOUND = [
     (lambda: tie(P, P[:4]), ["<9 points of 'sheet'> and <4 points of 'sheet'>", "equally many"]),
     (lambda: tie(P, P[:0]), ["<0 points of 'sheet'>", "at least one"]),
     (lambda: tie(P, (0.0, 1.0)), ["world points", "shape (2,)"]),
-    (lambda: tie(P, "here"), ["argument 'b'", "'here'"]),
+    (lambda: tie(P, "here"), ["tie: 'b' [m]", "'here'"]),
     (lambda: spring(), ["missing a required argument: 'e'", "stark.Edge"]),
     (lambda: spring(CLOTH.edges, stifness=1.0), ["unexpected keyword argument 'stifness'"]),
     (lambda: anchor(P), ["'target' has no value", "must be given"]),
