@@ -16,7 +16,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--format",
         default="vtu",
         choices=("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "pc2", "parquet", "mcap"),
-        help="vtu, vtkhdf: ParaView; usd: Blender, Omniverse; parquet, mcap: the numbers of every step",
+        help="vtu, vtkhdf: ParaView; usd: Blender, Omniverse; pc2: point caches of bodies; "
+        "parquet, mcap: the numbers of every step",
     )
     parser.add_argument(
         "--out", type=path_argument, metavar="DIR", help="folder of the files; default: RUN/FORMAT"
