@@ -152,8 +152,8 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
     def contact_distance(self, body: Body | str) -> float:
         """[m] Within which surfaces of the body repel others, together with theirs: its own, that of the
         settings, or (``contact.distance`` 0) 1 mm, but at most 1 % of the size of the body and half the least
-        height of triangles that can touch their own body; flat ones, of which a warning tells, take it no
-        lower than a tenth of the rest."""
+        height of triangles that can touch their own body. Such heights, of which a warning tells where they
+        are small, make it at most ten times smaller."""
         return self._scene._core.contact_distance_in(self[body]._index, self._settings._core)
 
     # --- stepping ---
