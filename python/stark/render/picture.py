@@ -85,6 +85,8 @@ def render(
         raise InvalidArgument(
             f"size {shown_value(width)} x {shown_value(height)} px: each must be in [1, 16384], and whole"
         )
+    if not (isinstance(threads, (int, np.integer)) and 0 <= threads <= 1024):
+        raise InvalidArgument(f"threads = {shown_value(threads)}: must be in [0, 1024], and whole")
     for what, given in (("limits", limits), ("label", label)):
         if field is None and given is not None:
             raise InvalidArgument(
@@ -98,7 +100,7 @@ def render(
         raise InvalidArgument(_nothing_left(bodies, hide, names))
     shown = [everything[i] for i in kept]
     share, paint = opacities(opacity, names), body_colors(everything)
-    box = bounds_of([shown], up_of(source)) if bounds is None else bounds
+    box = bounds_of([shown], up_of(source)) if bounds is None else _bounds(bounds, len(everything))
     far = dict(zip(map(id, shown if bounds is None else everything), box.scenery, strict=True))
     colors = Colormap(colormap)
     shades = None if field is None else field_of(source, field, {body.name for body in shown})
@@ -151,6 +153,15 @@ def _nothing_left(bodies: Any, hide: Any, names: Sequence[str]) -> str:
         f"picture: {asked} leaves none of the {len(names)} bodies to draw: name at least one that is to "
         f"be seen; leave out bodies and hide to draw all"
     )
+
+
+def _bounds(bounds: Any, count: int) -> Bounds:
+    if not isinstance(bounds, Bounds) or len(bounds.scenery) != count:
+        raise InvalidArgument(
+            f"bounds = {shown_value(bounds)}: must be stark.render.scene_bounds(...) of the same {count} "
+            f"bodies"
+        )
+    return bounds
 
 
 def _limits(limits: Any) -> tuple[float, float]:

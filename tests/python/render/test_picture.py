@@ -84,3 +84,19 @@ def test_hairs_are_lines_without_gaps(radius: float) -> None:
     rows = picture[int(ends[1, 1]) + 2 : int(ends[0, 1]) - 2].astype(int).sum(axis=2)
     darker = rows.min(axis=1) < 0.8 * np.median(rows, axis=1)
     assert len(rows) > 60 and darker.all()
+
+
+@pytest.mark.parametrize("threads", ["a", None, 1.5, -5, 10**30, float("nan")])
+def test_threads_are_a_number_of_them(threads: object) -> None:
+    with pytest.raises(stark.InvalidArgument, match=r"threads = .*: must be in \[0, 1024\], and whole"):
+        render(FakeSimulation(), 32, 20, threads=threads)
+
+
+def test_bounds_are_of_the_bodies_of_the_picture() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    alone = stark.render.scene_bounds(stark.Simulation(scene))
+    scene.add_box(0.1, mass=1.0, position=(1.0, 0.0, 0.0))
+    for bounds in (alone, ((0, 0, 0), (1, 1, 1)), 0):
+        with pytest.raises(stark.InvalidArgument, match=r"bounds = .*scene_bounds\(...\) of the same 2 bo"):
+            render(stark.Simulation(scene), 32, 20, bounds=bounds)
