@@ -9,7 +9,7 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument, InvalidMesh
-from stark.arguments import given_flag
+from stark.arguments import given_flag, shown_value
 from stark.caller import warn
 from stark.mesh.arguments import Indices, Points, corners_of, count_of, positive
 from stark.mesh.conversion import as_triangle_mesh
@@ -55,8 +55,12 @@ def lattice(
         raise InvalidMesh("lattice: a vertex is not finite: all must be [m]; leave out what is not")
     if len(given.triangles) == 0:
         raise InvalidMesh("lattice: the surface has 0 triangles: must have some; check the file")
-    if order not in (1, 2) or isinstance(order, bool):
+    is_number = isinstance(order, (int, float, np.number)) and not isinstance(order, bool)
+    if not is_number or order not in (1, 2):
         raise InvalidArgument(f"lattice: order = {order!r}: must be 1 (trilinear) or 2 (triquadratic)")
+    order = int(order)
+    if report is not None and not isinstance(report, MeshReport):
+        raise InvalidArgument(f"lattice: report = {shown_value(report)}: must be a stark.mesh.MeshReport")
     given, size = compact(given), _size(given, cells, cell_size)
     if given_flag(split, "lattice: split"):
         given = _split(given, size / order)

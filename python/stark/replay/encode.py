@@ -154,6 +154,7 @@ def encode(recording: Recording, *, stride: int | None = None, max_megabytes: fl
         stride = choose_stride(recording, max_megabytes)
     if not isinstance(stride, (int, np.integer)) or stride < 1:
         raise RecordingError(f"frame stride = {stride!r}; must be at least 1, and whole")
+    stride = int(stride)
     kept = list(range(0, len(recording), stride))
     if kept[-1] != len(recording) - 1:
         kept.append(len(recording) - 1)

@@ -265,3 +265,13 @@ def test_a_triquadratic_lattice_hangs_as_a_trilinear_one(cells: int) -> None:
         assert report.newton_iterations < 8
         sags.append((start - body.surface_positions)[:, 2].max())
     assert sags[1] == pytest.approx(sags[0], rel=0.04)
+
+
+def test_orders_of_numpy_and_odd_values() -> None:
+    cube = stark.mesh.box(0.1)
+    assert lattice(cube, cells=2, order=np.int64(2)).elements.shape[1] == 27
+    for order in (np.zeros(3), [], "2", True, 3):
+        with pytest.raises(stark.InvalidArgument, match=r"order = .*must be 1"):
+            lattice(cube, cells=2, order=order)  # type: ignore[arg-type]
+    with pytest.raises(stark.InvalidArgument, match=r"report = \[\]: must be a stark.mesh.MeshReport"):
+        lattice(cube, cells=2, report=[])  # type: ignore[arg-type]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -87,5 +88,6 @@ def test_stride_keeps_first_and_last_frame(tmp_path: Path) -> None:
     assert page.header["times"] == pytest.approx([0.0, 4 / 30, 8 / 30, 10 / 30])
     assert np.abs(decode(page, 0, 3) - run.positions(0, 10)).max() < 1e-5
     assert encode(run, max_megabytes=0.002).header["stride"] > 1
+    assert json.loads(json.dumps(encode(run, stride=np.int64(4)).header))["stride"] == 4
     with pytest.raises(RecordingError, match="frame stride = 0; must be at least 1"):
         encode(run, stride=0)
