@@ -24,14 +24,20 @@ class RecordedScene(_core.Scene):
         super().__init__()
         self.calls: list[Call] = []
 
-    def snapshot(self) -> tuple[_core.Scene, int]:
-        """What restore() goes back to."""
-        return self.copy(), len(self.calls)
+    def snapshot(self) -> tuple[float, int]:
+        """What restore() goes back to. It costs nothing: a copy of the scene for each spring would make
+        adding n springs a matter of n^2."""
+        return self.default_friction, len(self.calls)
 
-    def restore(self, snapshot: tuple[_core.Scene, int]) -> None:
-        scene, calls = snapshot
+    def restore(self, snapshot: tuple[float, int]) -> None:
+        """Makes the scene again by the calls up to there."""
+        default_friction, count = snapshot
+        scene = _core.Scene()
+        scene.default_friction = default_friction
+        for name, arguments in self.calls[:count]:
+            getattr(scene, name)(*arguments)
         self.assign(scene)
-        del self.calls[calls:]
+        del self.calls[count:]
 
     def _do(self, name: str, *arguments: Any) -> Any:
         kept = tuple(_copied(argument) for argument in arguments)

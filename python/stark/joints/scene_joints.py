@@ -104,7 +104,7 @@ class SceneJoints(SceneLink):
     ) -> Joint:
         """Hinge (revolute joint) at ``anchor`` [m] about ``axis``; coordinate ``angle`` [rad],
         kept within ``limits``. Without an ``axis`` it is z."""
-        with self._all_or_nothing(limits is not None):
+        with self._all_or_nothing():
             joint = self.add_joint("hinge", a, b, anchor=anchor, axis=axis, **options)
             if limits is not None:
                 joint.add_limit(*_bounds("hinge", limits))
@@ -122,7 +122,7 @@ class SceneJoints(SceneLink):
     ) -> Joint:
         """Slider (prismatic joint) along ``axis`` of a; coordinate ``displacement`` [m],
         kept within ``limits``. Without an ``axis`` it is z."""
-        with self._all_or_nothing(limits is not None):
+        with self._all_or_nothing():
             joint = self.add_joint("slider", a, b, anchor=anchor, axis=axis, **options)
             if limits is not None:
                 joint.add_limit(*_bounds("slider", limits))
@@ -267,12 +267,8 @@ class SceneJoints(SceneLink):
         return joint
 
     @contextlib.contextmanager
-    def _all_or_nothing(self, has_several: bool = True) -> Iterator[None]:
-        """What is added in several calls is not there at all if one of them is refused. One call has no need
-        of that, which costs as much as the scene is large."""
-        if not has_several:
-            yield
-            return
+    def _all_or_nothing(self) -> Iterator[None]:
+        """What is added in several calls is not there at all if one of them is refused."""
         before, counts = self._core.snapshot(), (len(self._joints), len(self._actuators))
         try:
             yield
