@@ -149,6 +149,9 @@ def test_what_does_not_fit_is_refused() -> None:
         scene.attach(stark.joined(cloth.vertices), box)
     with pytest.raises(stark.InvalidArgument, match="must be a cloth or a solid with a closed surface"):
         scene.add_gas(stark.joined(cloth.faces))
+    balls = [scene.add_cloth(stark.mesh.sphere(0.1, 1), position=(3 * k, 0, 9)) for k in (1, 2)]
+    with pytest.raises(stark.InvalidArgument, match=r"are parts of one body.*stark\.mesh\.joined"):
+        scene.add_gas(stark.joined([ball.faces for ball in balls]))
     other = stark.Scene()
     with pytest.raises(stark.InvalidArgument, match="belongs to another scene"):
         other.add(springs(stark.joined(cloth.vertices[:1]), (0, 0, 0)))

@@ -39,8 +39,15 @@ def closed_surface(surface: Any, owner: str) -> ClosedSurface:
     if body is None or any(
         "vertices" not in column._columns or column.body is not body for column in columns
     ):
+        has_several = len({id(of) for column in columns for of in column.bodies}) > 1
         raise InvalidArgument(
             f"{owner} on {surface!r}: must be a cloth or a solid with a closed surface, or some of its faces"
+            + (
+                "; two surfaces with one pressure are parts of one body, whose mesh is "
+                "stark.mesh.joined([first, second])"
+                if has_several
+                else ""
+            )
         )
     triangles = np.stack([column._columns["vertices"] for column in columns], axis=1)
     _check_closed(body, triangles, owner)
