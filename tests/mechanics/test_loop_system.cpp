@@ -162,3 +162,14 @@ TEST_CASE("a system of some constraints has their residuals and forces wherever 
     CHECK(system.constraints().residuals(sites) == system.part(all.residuals(scene.positions(moved))));
   }
 }
+
+TEST_CASE("residuals of some joints are those that they have among all") {
+  const Scene scene;
+  const std::vector<Vec3> x = scene.positions(scene.configuration);
+  const ConstraintSet all = make_constraints(kRods, x);
+  const std::vector<double> residuals = all.residuals(x);
+  for (int32_t first = 0; first < 7; ++first)
+    for (int32_t count = 0; first + count <= 7; ++count)
+      CHECK(all.residuals_of(first, count, x) ==
+            std::vector<double>(residuals.begin() + first, residuals.begin() + first + count));
+}

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 
 namespace stark {
@@ -272,6 +273,24 @@ std::vector<double> ConstraintSet::residuals(std::span<const Vec3> x) const {
   std::vector<double> result;
   for (const ConstraintGroup& group : groups_)
     append_values(group, x, 0, group.joint->units().size(), result);
+  return result;
+}
+
+std::vector<double> ConstraintSet::residuals_of(int32_t first, int32_t count, std::span<const Vec3> x) const {
+  std::vector<double> result;
+  for (int32_t j = first; j < first + count;) {
+    const int32_t g = places_[j].group;
+    ConstraintGroup part{groups_[g].joint, PotentialBatch(groups_[g].joint->potential()), {}};
+    std::vector<int64_t> elements;
+    std::vector<int32_t> stencils;
+    for (; j < first + count && places_[j].group == g; ++j) {
+      elements.push_back(places_[j].element);
+      std::ranges::copy(groups_[g].batch.stencil(places_[j].element), std::back_inserter(stencils));
+    }
+    part.batch.resize(stencils);
+    part.batch.take(groups_[g].batch, elements);
+    append_values(part, x, 0, part.joint->units().size(), result);
+  }
   return result;
 }
 

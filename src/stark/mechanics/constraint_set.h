@@ -115,6 +115,8 @@ class ConstraintSet {
   /// Residuals or coordinates at x, in the order of groups and elements.
   std::vector<double> residuals(std::span<const Vec3> x) const;
   std::vector<double> coordinates(std::span<const Vec3> x) const;
+  /// Residuals of so many joints from `first` on, joint by joint.
+  std::vector<double> residuals_of(int32_t first, int32_t count, std::span<const Vec3> x) const;
   /// Where the residuals and the coordinates of a joint start in those arrays.
   struct Place {
     int32_t group = 0;

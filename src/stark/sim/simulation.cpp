@@ -62,6 +62,7 @@ Simulation::Simulation(const Scene& scene, const Settings& settings, const std::
   timer_ = std::make_unique<PhaseTimer>();
   model_ = std::make_unique<Model>(scene_, settings_, energies_);
   state_ = model_->initial_state();
+  site_readings_ = std::make_unique<SiteReadings>();
   between();
   ContactSurfaces surfaces = model_->make_surfaces(scene_, settings_);
   for (int32_t b = 0; b < scene_.body_count(); ++b) is_filled_.push_back(scene_.is_filled(BodyId{b}));
@@ -387,6 +388,6 @@ double Simulation::scene_size() const {
 
 const SurfaceMesh& Simulation::surface_mesh() const { return surface_mesh_; }
 
-std::vector<Vec3> Simulation::site_positions() const { return model_->site_positions(state_); }
+const std::vector<Vec3>& Simulation::site_positions() const { return site_readings_->get(state_, *model_); }
 
 }  // namespace stark

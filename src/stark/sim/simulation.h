@@ -14,6 +14,7 @@
 #include <stark/sim/model/energies.h>
 #include <stark/sim/model/internal_variables.h>
 #include <stark/sim/model/model.h>
+#include <stark/sim/site_readings.h>
 #include <stark/sim/step/step_report.h>
 #include <stark/sim/step/time_marks.h>
 
@@ -263,7 +264,8 @@ class Simulation {
 
   /// Surfaces for checks and pictures: all sites and the primitives on them.
   const SurfaceMesh& surface_mesh() const;
-  std::vector<Vec3> site_positions() const;
+  /// [m], valid until the state changes.
+  const std::vector<Vec3>& site_positions() const;
 
  private:
   struct Parts;
@@ -291,6 +293,8 @@ class Simulation {
   void check_joints();
   void check_actuators();
   void check_attachments();
+  /// Three for each pair [m].
+  std::vector<double> residuals_of_pairs(AttachmentId attachment) const;
   void check_pairs(AttachmentId attachment, std::span<const int32_t> pairs) const;
   /// After the state was replaced: sensors have nothing to tell of it.
   void forget_last_step();
@@ -311,6 +315,7 @@ class Simulation {
   SurfaceMesh surface_mesh_;
   std::vector<bool> is_filled_;  ///< by body
   std::unique_ptr<ContactPipeline> contact_;
+  std::unique_ptr<SiteReadings> site_readings_;
   std::unique_ptr<ContactReadings> contact_readings_;  ///< null without contact
   std::unique_ptr<IntersectionFinder> intersections_;  ///< null without contact
   std::unique_ptr<Assembler> assembler_;

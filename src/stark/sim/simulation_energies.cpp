@@ -120,7 +120,7 @@ void Simulation::set_energy_value(EnergyId id, const std::string& name, std::spa
   if (const int bad = first_not_finite(values); bad >= 0)
     throw InvalidArgument(owner + ": number " + std::to_string(bad) + " is " + to_text(values[bad]) +
                           ": must be finite; check where it is computed");
-  const std::vector<Vec3> x = site_positions();
+  const std::vector<Vec3>& x = site_positions();
   const InternalOfState stored(energies_, state_.internal_variable);
   const double before = parts_->ledger.stored_energy(elements, x);
   if (per_element) {

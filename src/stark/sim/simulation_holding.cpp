@@ -90,7 +90,7 @@ std::vector<Wrench> Simulation::section_wrenches(BodyId body) const {
   std::vector<Wrench> wrenches(b.edges.size());
   if (step_start_.empty()) return wrenches;
   constexpr int kPoints = 8;  // two nodes, then the axes of the first and of the second
-  const std::vector<Vec3> x = site_positions();
+  const std::vector<Vec3>& x = site_positions();
   for (const ModelBatch& elements : energies_.batches) {
     const PotentialBatch& batch = elements.batch;
     if (elements.role != ModelBatch::Role::Elastic || elements.owner != scene_.name(body)) continue;

@@ -190,11 +190,7 @@ std::vector<double> Simulation::joint_rates(JointId joint) const {
 
 std::vector<double> Simulation::joint_residuals(JointId joint) const {
   scene_.joint(joint);
-  const ConstraintSet& constraints = energies_.constraints;
-  const ConstraintSet::Place& place = constraints.place(joint.index);
-  const size_t count = constraints.groups()[place.group].joint->units().size();
-  const std::vector<double> all = constraints.residuals(site_positions());
-  return {all.begin() + place.residual, all.begin() + place.residual + static_cast<std::ptrdiff_t>(count)};
+  return energies_.constraints.residuals_of(joint.index, 1, site_positions());
 }
 
 Wrench Simulation::joint_reaction(JointId joint) const {

@@ -10,7 +10,8 @@ namespace stark {
 
 const ContactReadings::Found* Simulation::contact_readings() const {
   if (!contact_ || step_start_.empty()) return nullptr;
-  return &contact_readings_->get(state_, *contact_, scene_.body_count(), [&] { return site_positions(); });
+  return &contact_readings_->get(state_, *contact_, scene_.body_count(),
+                                 [&]() -> std::vector<Vec3> { return site_positions(); });
 }
 
 const std::vector<ContactForce>& Simulation::contacts() const {
