@@ -37,6 +37,7 @@ from stark.settings import Settings
 if TYPE_CHECKING:
     from stark.formulas.energy import Binding
     from stark.formulas.handle import Energy
+    from stark.robots.link import RobotLink
 
 #: A body or several: handles or names.
 Bodies: TypeAlias = Body | str | Sequence[Body | str]
@@ -139,7 +140,9 @@ class Scene(
             self._core.enable_contacts(*groups)
             self._note_change("enable_contact", *groups[0], *groups[1])
 
-    def disable_overlapping(self, bodies: Iterable[Body | str] | None = None) -> list[tuple[Body, Body]]:
+    def disable_overlapping(
+        self, bodies: Iterable[Body | str | RobotLink] | None = None
+    ) -> list[tuple[Body, Body]]:
         """Lets the bodies that overlap at the start pass through each other, as neighbouring links of robots
         often do, and returns them in pairs: all that ``disable_contact`` was called for.
 
@@ -149,13 +152,16 @@ class Scene(
         excluded by the scene. Raises InvalidArgument for bodies of another scene, and where there is a
         simulation already."""
         from stark.bodies.overlaps import overlapping
+        from stark.robots.link import RobotLink
 
         if isinstance(bodies, (str, Body)) or not (bodies is None or is_iterable(bodies)):
             raise InvalidArgument(
                 f"disable_overlapping: bodies = {bodies!r}: must be a list of bodies; leave it out for all"
             )
-        chosen = list(self._bodies if bodies is None else (self._bodies[self._index(b)] for b in bodies))
-        pairs = overlapping(self, chosen)
+        # Links of a robot may be parts of the same body, or of the world.
+        named = [b.body if isinstance(b, RobotLink) else b for b in bodies or ()]
+        indices = sorted({self._index(b) for b in named if b is not None})
+        pairs = overlapping(self, self._bodies if bodies is None else [self._bodies[k] for k in indices])
         for a, b in pairs:
             self.disable_contact(a, b)
         return pairs

@@ -11,6 +11,7 @@ import numpy as np
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array, real_number
 from stark.attributes import AnsweredAttributes
+from stark.caller import warn
 from stark.handle import BodyHandle, SceneLink
 
 _FIELDS = ("along", "across", "kinetic")
@@ -65,6 +66,7 @@ class FrictionTable(AnsweredAttributes):
         coefficient: float | tuple[float, float] | Anisotropic,
     ) -> None:
         a, b = self._scene._pair(pair)
+        self._warn_of_none(a, b)
         if isinstance(coefficient, Anisotropic):
             owner = f"friction of {pair!r}"
             values = (coefficient.along, coefficient.across, coefficient.kinetic)
@@ -86,3 +88,13 @@ class FrictionTable(AnsweredAttributes):
             ) from None
         self._scene._core.set_friction(a, b, *map(float, both))
         self._scene._note_change("friction", a, b)
+
+    def _warn_of_none(self, a: int, b: int) -> None:
+        core = self._scene._core
+        if a != b or core.contact_enabled(a, a):
+            return
+        name = core.name(a)
+        warn(
+            f"friction of '{name}' with itself has no effect, as it has no self-contact; give friction= "
+            f"where it is added for contact with all others, or set scene.friction['{name}', other]"
+        )

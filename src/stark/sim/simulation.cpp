@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include <stark/base/error.h>
@@ -171,6 +172,25 @@ std::vector<std::tuple<int32_t, int32_t, double>> Simulation::close_bodies() con
   return pairs;
 }
 
+namespace {
+
+/// What else intersects; empty where there is one pair of bodies.
+std::string other_pairs_text(std::span<const EdgeTriangleIntersection> intersections,
+                             const SurfaceMesh& mesh) {
+  std::set<std::pair<int32_t, int32_t>> pairs;
+  for (const EdgeTriangleIntersection& i : intersections) {
+    const auto [a, b] = std::minmax(mesh.edge_group[i.edge], mesh.triangle_group[i.triangle]);
+    if (a != b) pairs.emplace(a, b);
+  }
+  if (pairs.size() < 2) return "";
+  const size_t more = pairs.size() - 1;
+  return "; " + std::to_string(more) +
+         (more == 1 ? " more pair of bodies intersects" : " more pairs of bodies intersect") +
+         ": scene.disable_overlapping() disables contact of all such pairs";
+}
+
+}  // namespace
+
 void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) const {
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
   // Different vertices at one place, as in files that write a vertex once for each triangle.
@@ -188,10 +208,12 @@ void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) c
     const Vec3 where = meeting_point(x[edge[0]], x[edge[1]], x[t[0]], x[t[1]], x[t[2]]);
     const int32_t a = surface_mesh_.edge_group[first.edge];
     const int32_t b = surface_mesh_.triangle_group[first.triangle];
+    // Only before the first step may contact of bodies still be disabled.
+    const std::string others = parts_ ? "" : other_pairs_text(intersections, surface_mesh_);
     throw InitialIntersection(name(a) + (a == b ? " intersects itself " : " and " + name(b) + " intersect ") +
                               when + " at " + std::to_string(intersections.size()) +
                               " edge-triangle pairs, the first near " + point_text(where) +
-                              (a != b ? "; move them apart, or disable contact between them"
+                              (a != b ? "; move them apart, or disable contact between them" + others
                                : std::ranges::any_of(intersections, has_doubled_vertex)
                                    ? "; some of its vertices lie at the same places, so that its triangles "
                                      "are not joined there: unite them with stark.mesh.merged(mesh), or add "

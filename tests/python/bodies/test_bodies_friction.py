@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import pytest
 
 import stark
@@ -26,3 +28,20 @@ def test_friction_rule() -> None:
     assert scene.friction["napkin", "napkin"] == 0.9
     scene.friction["floor", scene["napkin"]] = 0
     assert scene.friction["napkin", "floor"] == 0.0
+
+
+def test_friction_of_a_body_without_self_contact_with_itself_is_told_to_do_nothing() -> None:
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=1.0, name="box")
+    cloth = scene.add_cloth(stark.mesh.grid(1.0, 1.0, 2), position=(0, 0, 1), name="cloth")
+    sheet = scene.add_cloth(
+        stark.mesh.grid(1.0, 1.0, 2), position=(0, 0, 2), self_contact=False, name="sheet"
+    )
+    rod = scene.add_rod([(k, 0, 3) for k in range(5)], name="rod")
+    for body, other in ((box, cloth), (sheet, box), (cloth, cloth), (rod, rod)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            scene.friction[body, other] = 0.3
+    for body in (box, sheet):
+        with pytest.warns(stark.StarkWarning, match=f"friction of '{body.name}' with itself has no effect"):
+            scene.friction[body, body] = 0.3

@@ -28,12 +28,19 @@ def chain(count: int = 4) -> stark.Scene:
 
 def test_all_pairs_at_once() -> None:
     scene = chain()
-    with pytest.raises(stark.InitialIntersection):
+    with pytest.raises(
+        stark.InitialIntersection, match=r"2 more pairs of bodies intersect: scene\.disable_overlapping\(\)"
+    ):
         stark.Simulation(scene)
     assert names(scene.disable_overlapping()) == [(f"link {k}", f"link {k + 1}") for k in range(3)]
     assert not scene.contact_enabled("link 0", "link 1") and scene.contact_enabled("link 0", "link 2")
     assert scene.disable_overlapping() == []
     assert not stark.Simulation(scene, gravity=(0, 0, 0)).step().failed
+
+
+def test_one_pair_is_named_alone() -> None:
+    with pytest.raises(stark.InitialIntersection, match=r"disable contact between them$"):
+        stark.Simulation(chain(2))
 
 
 def test_of_some_bodies() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from robots._robots import ARM
 
 import stark
 from stark.robots import Geometry, Inertia, Link, RobotDescription, RobotJoint
@@ -99,3 +100,15 @@ def test_a_part_of_the_world_touches_nothing() -> None:
     joint = RobotJoint("turn", "continuous", "stand", "arm")
     robot = stark.Scene().add_robot(RobotDescription("arm", links, [joint]))
     np.testing.assert_array_equal(robot.links["stand"].contact_wrench(), 0.0)
+
+
+def test_overlapping_links_are_found_by_their_bodies() -> None:
+    pairs = []
+    for by_link in (True, False):
+        scene = stark.Scene()
+        robot = scene.add_robot(ARM)
+        palm = robot.links["palm"]
+        crate = scene.add_box(0.02, mass=0.1, position=palm.position, name="crate")
+        chosen = [*robot.links.values(), palm, crate] if by_link else None
+        pairs.append([(a.name, b.name) for a, b in scene.disable_overlapping(chosen)])
+    assert pairs[0] == pairs[1] and ("arm.palm", "crate") in pairs[0]
