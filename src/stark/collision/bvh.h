@@ -204,6 +204,7 @@ class Bvh {
   std::vector<Vec3> clear_at_;                 // where vertices were when clearances were brought up to date
   std::vector<Bounds> from_clear_, to_clear_;  // displacements from there on a way, by group; empty at rest
   std::vector<Task> tasks_;
+  std::vector<RecentSlabs> recent_slabs_;  // by thread
   int32_t looked_at_ = 0, fitted_ = 0;
   std::vector<int32_t> task_begin_;  // tasks of one unit of parallel work
   std::vector<int32_t> order_;       // groups along the sweep axis
@@ -231,6 +232,8 @@ void Bvh::for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body)
   find_tasks(filter);
   if (task_begin_.size() < 2) return;
   fit_trees(pool);
+  recent_slabs_.resize(static_cast<size_t>(pool.thread_count()));
+  for (RecentSlabs& slabs : recent_slabs_) slabs.forget();
   pool.for_each_task(static_cast<int64_t>(task_begin_.size()) - 1, [&](int64_t unit, int thread) {
     for (int32_t k = task_begin_[unit]; k < task_begin_[unit + 1]; ++k)
       run_task<Extent>(tasks_[k], thread, body);
@@ -312,7 +315,9 @@ void Bvh::run_task(Task& task, int thread, Body& body) {
     const int moved = moved_nodes_[a.level_begin[0] + leaf_a];
     const auto partners = [&](int k, int32_t node) { return (moved >> k) & 1 ? kAll : moved_nodes_[node]; };
     int small = (1 << count_a) - 1;
-    for (int k = 0; k < count_a && !self; ++k) {
+    for (int left = self ? 0 : small & large_mask(a.level_begin[0] + leaf_a, b); left != 0;
+         left &= left - 1) {
+      const int k = __builtin_ctz(static_cast<unsigned>(left));
       if (!is_large(cells_a[k], start_of(boxes[k]), b) || !boxes[k].overlaps(bounds)) continue;
       small &= ~(1 << k);
       const TriangleSlabs slabs = cell_slabs<Extent>(cells_a[k]);
@@ -335,7 +340,9 @@ void Bvh::run_task(Task& task, int thread, Body& body) {
           }
           for (int large = self ? 0 : all & large_mask(node, a); large != 0; large &= large - 1) {
             const int j = __builtin_ctz(static_cast<unsigned>(large));
-            const TriangleSlabs slabs = cell_slabs<Extent>(cells_[b.cell_begin + kWidth * leaf_b + j]);
+            const int32_t cell = b.cell_begin + kWidth * leaf_b + j;
+            const TriangleSlabs& slabs =
+                recent_slabs_[thread].of(cell, [&] { return cell_slabs<Extent>(cells_[cell]); });
             for (int k = 0; k < count_a; ++k)
               if (is_separated(slabs[0], boxes[k]) || is_separated(slabs[1], boxes[k])) hits[k] &= ~(1 << j);
           }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 
@@ -81,6 +82,27 @@ TriangleSlabs slabs_of(const Extent (&vertices)[3], float rounding) {
   return {slab_along(normal, vertices, rounding),
           slab_along(cross(normal / size_of(normal), longest / size_of(longest)), vertices, rounding)};
 }
+
+/// Slabs of the triangles that were asked for last: what lies on a few large ones asks for them again and
+/// again.
+class RecentSlabs {
+ public:
+  void forget() { numbers_.fill(-1); }
+  template <typename Make>
+  const TriangleSlabs& of(int32_t number, Make&& make) {
+    const size_t place = static_cast<size_t>(number) % kCount;
+    if (numbers_[place] != number) {
+      slabs_[place] = make();
+      numbers_[place] = number;
+    }
+    return slabs_[place];
+  }
+
+ private:
+  static constexpr size_t kCount = 64;
+  std::array<int32_t, kCount> numbers_{};
+  std::array<TriangleSlabs, kCount> slabs_{};
+};
 
 /// Whether a slab keeps a box away from its triangle. Numbers that are not finite keep nothing away.
 inline bool is_separated(const Slab& slab, const Box& box) {
