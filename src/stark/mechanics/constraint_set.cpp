@@ -206,15 +206,27 @@ std::vector<double> ConstraintSet::next_multipliers(std::span<const double> resi
 
 std::vector<double> ConstraintSet::reactions(std::span<const double> residuals) const {
   std::vector<double> result(residuals.begin(), residuals.end());
-  for (const Place& place : places_) {
-    const std::vector<char>& one_sided = groups_[place.group].joint->one_sided();
-    for (size_t k = 0; k < one_sided.size(); ++k) {
-      const int64_t r = place.residual + static_cast<int64_t>(k);
-      result[r] = multipliers_[r] + penalties_[r] * result[r];
-      if (one_sided[k] != 0) result[r] = std::max(0.0, result[r]);
-    }
+  for (const Place& place : places_) turn_into_reactions(place, std::span(result).subspan(place.residual));
+  return result;
+}
+
+std::vector<double> ConstraintSet::reactions_of(int32_t first, int32_t count, std::span<const Vec3> x) const {
+  std::vector<double> result = residuals_of(first, count, x);
+  size_t row = 0;
+  for (int32_t j = first; j < first + count; ++j) {
+    turn_into_reactions(places_[j], std::span(result).subspan(row));
+    row += groups_[places_[j].group].joint->units().size();
   }
   return result;
+}
+
+void ConstraintSet::turn_into_reactions(const Place& place, std::span<double> residuals) const {
+  const std::vector<char>& one_sided = groups_[place.group].joint->one_sided();
+  for (size_t k = 0; k < one_sided.size(); ++k) {
+    const size_t r = static_cast<size_t>(place.residual) + k;
+    residuals[k] = multipliers_[r] + penalties_[r] * residuals[k];
+    if (one_sided[k] != 0) residuals[k] = std::max(0.0, residuals[k]);
+  }
 }
 
 ConstraintSet::Violation ConstraintSet::worst_of(std::span<const double> C, std::span<const double> enabled,

@@ -80,6 +80,8 @@ class ConstraintSet {
   /// Forces lambda + rho C that act, by residual: those on what carries frame a are minus these times the
   /// gradient of the residual.
   std::vector<double> reactions(std::span<const double> residuals) const;
+  /// Those of so many joints from `first` on, joint by joint, with sites at x.
+  std::vector<double> reactions_of(int32_t first, int32_t count, std::span<const Vec3> x) const;
 
   /// Multipliers [N, N m] and penalties [N/m, N m] by residual, which decide what joints pull with.
   struct Inputs {
@@ -125,6 +127,8 @@ class ConstraintSet {
   const Place& place(int32_t joint) const { return places_[joint]; }
 
  private:
+  /// Residuals of one joint become the forces that hold them.
+  void turn_into_reactions(const Place& place, std::span<double> residuals) const;
   void write_inputs();
   /// What residuals have beyond those that are held; empty where that is beyond the tolerances, or nothing
   /// is.

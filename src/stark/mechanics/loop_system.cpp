@@ -119,7 +119,7 @@ std::vector<ConstraintGroup> LoopSystem::make_groups(const ConstraintSet& constr
   int32_t joint = 0;
   for (size_t g = 0; g < from_.groups.size(); ++g) {
     const ConstraintGroup& all = constraints.groups()[from_.groups[g]];
-    ConstraintGroup group{all.joint, all.batch, {}};
+    ConstraintGroup group{all.joint, PotentialBatch(all.joint->potential()), {}};
     std::vector<int32_t> stencils;
     for (const int64_t e : from_.elements[g]) {
       for (const int32_t s : all.batch.stencil(e)) stencils.push_back(place_in(from_.sites, s));

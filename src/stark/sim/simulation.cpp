@@ -208,7 +208,7 @@ void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) c
     const Vec3 where = meeting_point(x[edge[0]], x[edge[1]], x[t[0]], x[t[1]], x[t[2]]);
     const int32_t a = surface_mesh_.edge_group[first.edge];
     const int32_t b = surface_mesh_.triangle_group[first.triangle];
-    // Only before the first step may contact of bodies still be disabled.
+    // Contact of bodies can be disabled only before there is a simulation.
     const std::string others = parts_ ? "" : other_pairs_text(intersections, surface_mesh_);
     throw InitialIntersection(name(a) + (a == b ? " intersects itself " : " and " + name(b) + " intersect ") +
                               when + " at " + std::to_string(intersections.size()) +

@@ -293,8 +293,6 @@ class Simulation {
   void check_joints();
   void check_actuators();
   void check_attachments();
-  /// Three for each pair [m].
-  std::vector<double> residuals_of_pairs(AttachmentId attachment) const;
   void check_pairs(AttachmentId attachment, std::span<const int32_t> pairs) const;
   /// After the state was replaced: sensors have nothing to tell of it.
   void forget_last_step();

@@ -59,17 +59,12 @@ void Simulation::check_attachment_agrees(AttachmentId id) const {
                         "or pull_together() if that is meant");
 }
 
-std::vector<double> Simulation::residuals_of_pairs(AttachmentId id) const {
-  return energies_.constraints.residuals_of(model_->attachments()[id.index].first_constraint,
-                                            static_cast<int32_t>(scene_.attachment(id).size()),
-                                            site_positions());
-}
-
 std::vector<double> Simulation::attachment_gaps(AttachmentId id) const {
-  std::vector<double> gaps(scene_.attachment(id).size());
-  const std::vector<double> C = residuals_of_pairs(id);
-  for (size_t pair = 0; pair < gaps.size(); ++pair)
-    gaps[pair] = norm(vector_at(C, kRows * static_cast<int64_t>(pair)));
+  const int32_t pairs = scene_.attachment(id).size(),
+                first = model_->attachments()[id.index].first_constraint;
+  const std::vector<double> C = energies_.constraints.residuals_of(first, pairs, site_positions());
+  std::vector<double> gaps(pairs);
+  for (int32_t pair = 0; pair < pairs; ++pair) gaps[pair] = norm(vector_at(C, kRows * pair));
   return gaps;
 }
 
@@ -126,18 +121,12 @@ std::vector<int32_t> Simulation::attachment_status(AttachmentId id) const {
 }
 
 std::vector<Vec3> Simulation::attachment_forces(AttachmentId id) const {
-  const int64_t pairs = scene_.attachment(id).size();
-  const ModelAttachment& place = model_->attachments()[id.index];
-  const std::vector<double> C = residuals_of_pairs(id);
-  const ConstraintSet& constraints = energies_.constraints;
+  const int32_t pairs = scene_.attachment(id).size(),
+                first = model_->attachments()[id.index].first_constraint;
+  const std::vector<double> reactions = energies_.constraints.reactions_of(first, pairs, site_positions());
   std::vector<Vec3> forces(pairs);
-  for (int32_t pair = 0; pair < pairs; ++pair) {
-    const int64_t row = constraints.place(place.first_constraint + pair).residual;
-    const Vec3 pulled = vector_at(constraints.multipliers(), row);
-    const Vec3 apart = vector_at(C, kRows * static_cast<int64_t>(pair));
-    // The residual is x_a - x_b; no minus before zeros of pairs that do not hold.
-    forces[pair] = Vec3{} - (pulled + apart * constraints.penalties()[row]);
-  }
+  for (int32_t pair = 0; pair < pairs; ++pair)  // the residual is x_a - x_b; no minus before zeros of pairs
+    forces[pair] = Vec3{} - vector_at(reactions, kRows * pair);  // that do not hold
   return forces;
 }
 

@@ -10,8 +10,8 @@ namespace stark {
 
 const ContactReadings::Found* Simulation::contact_readings() const {
   if (!contact_ || step_start_.empty()) return nullptr;
-  return &contact_readings_->get(state_, *contact_, scene_.body_count(),
-                                 [&]() -> std::vector<Vec3> { return site_positions(); });
+  const std::vector<Vec3>& x = site_positions();
+  return &contact_readings_->get(x, site_readings_->revision(), *contact_, scene_.body_count());
 }
 
 const std::vector<ContactForce>& Simulation::contacts() const {
@@ -92,7 +92,7 @@ std::vector<Vec3> Simulation::vertex_contact_forces(BodyId body) const {
         forces[contact.sites[p] - of.first_site] +=
             (is_beside ? entry.normal_force : entry.normal_force + entry.friction) * contact.weights[p];
     }
-    if (is_beside) add_friction(model(), body.index, entry, found->x, forces);
+    if (is_beside) add_friction(model(), body.index, entry, site_positions(), forces);
   }
   return forces;
 }

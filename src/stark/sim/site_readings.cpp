@@ -22,11 +22,12 @@ bool SiteReadings::is_of(const State& state) const {
 
 const std::vector<Vec3>& SiteReadings::get(const State& state, const Model& model) {
   const std::lock_guard lock(mutex_);
-  if (!x_.empty() && is_of(state)) return x_;
+  if (revision_ > 0 && is_of(state)) return x_;
   x_ = model.site_positions(state);
   point_position_ = state.point_position;
   body_position_ = state.body_position;
   body_rotation_ = state.body_rotation;
+  ++revision_;
   return x_;
 }
 
